@@ -1,6 +1,7 @@
 """parisph: MPI-parallel incompressible SPH for violent water waves."""
 
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 __version__ = "0.1.0"
@@ -10,11 +11,14 @@ __version__ = "0.1.0"
 _SCHEMA = (
     "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output PeakBand Peaks "
     "Truth AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke Sponge Relaxation "
-    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityPoint VelocityProfile "
-    "RunUp Force Flux Friction ProbeArray Profiles "
+    "Friction ProbeArray Profiles "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )
+# The module of a kind of probe is named after its class.
+_PROBES = Path(__file__).parent.joinpath("watch", "probes").glob("[a-z]*.py")
 _PUBLIC = {
+    **{path.stem.removesuffix("_probe").title().replace("_", ""): f"parisph.watch.probes.{path.stem}"
+       for path in sorted(_PROBES)},
     **{name: "parisph.case.schema" for name in _SCHEMA.split()},
     "load": "parisph.case.load",
     **{

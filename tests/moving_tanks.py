@@ -8,7 +8,8 @@ from parisph.base.fields import FLUID, SURFACE
 from parisph.case.waves import angular_frequency
 from parisph.driver import Simulation
 from parisph.watch import instruments
-from parisph.watch.elevation import COLUMN, surface_height
+from parisph.watch.gauges import COLUMN
+from parisph.watch.probes.surface_gauge import surface_height
 
 G = 9.81
 SERIES = ("left gauge", "right gauge", "left pressure", "right pressure", "left level", "right level")

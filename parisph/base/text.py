@@ -98,3 +98,8 @@ def of_error(error: BaseException, limit: int = 300) -> str:
     except BaseException:
         text = "its message cannot be shown"
     return clipped(plain(" ".join(text.split("\n"))), limit)
+
+
+def point(x: Iterable[float]) -> str:
+    """Return a place as text, as in (0.5, 1)."""
+    return f"({', '.join(f'{a:g}' for a in x)})"

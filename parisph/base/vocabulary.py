@@ -17,6 +17,7 @@ WORDS: dict[str, list[str]] = {
     "regulariser": ["film", "filter", "irrotational", "collisions", "wall_guard", "projection", "parting", "shift",
                     "keep_apart", "fill_voids", "shift_even", "shift_tensile", "shift_xu", "shift_lind",
                     "shift_pressure"],
+    "probe": [],    # those of the package are found by their files (case.probes)
 }
 
 # What a scene may have that some forces are for.

@@ -12,13 +12,14 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import absorb, probe_checks, scenery, size, time_checks, wave_sizes
+from parisph.case import absorb, scenery, size, time_checks, wave_sizes
 from parisph.case.bodies import Body, StillWater
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
 from parisph.case.motion import Translation
+from parisph.case.probes import singles
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box, Tank
@@ -311,4 +312,5 @@ def _probes(case: Scene) -> Iterator[str]:
     for name, count in sorted(Counter(probe.name for probe in case.probes).items()):
         if count > 1:
             yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
-    yield from probe_checks.problems(case)
+    for name, probe in singles(case.probes):
+        yield from (f"probe {name!r}: {line}" for line in probe.problems(case))

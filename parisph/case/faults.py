@@ -136,5 +136,7 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
     """Yield the record classes that an annotation mentions."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
+        for derived in annotation.__subclasses__():    # a Probe is one of any kind
+            yield from _models_in(derived)
     for part in typing.get_args(annotation):
         yield from _models_in(part)

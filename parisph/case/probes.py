@@ -1,28 +1,55 @@
-"""Descriptions of probes; parisph.watch.instruments computes their values."""
+"""What all probes of a case have in common, and how the class of a kind is found.
+
+The kinds that come with parisph are in the folder watch/probes, one in each file.
+"""
 
 import re
-from collections.abc import Sequence
-from typing import Annotated, Literal, Optional, Union
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Optional, Union
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PlainValidator, SerializeAsAny, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
-from parisph.base.arrays import Floats
+from parisph.base import vocabulary
+from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
-Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept, in the window of its truth")]
-Arrival = Annotated[
-    Optional[float], Field(description="value whose first passing is told in the summary, in the probe's unit")]
-Acted = Annotated[bool, Field(description="whether the pressure that acts in the step is given beside its mean")]
-Every = Annotated[int, Field(ge=1, description="how many of the run's samples there are for one of this probe")]
+OURS = "parisph.watch.probes"    # with a module for each kind
+LAST = ("acted", "truth", "peak", "arrival", "every")    # fields that follow those of a kind
+WIDTH = 4     # numbers of a row
+DRY = 1e-6    # of the spacing above the bed: a gauge with no more is dry
+
 Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) [m]")]
 
 
-class Probe(Model):
-    """A named probe, written to probes/NAME.csv.
+class Measure:
+    """What gives the values of a probe in a run. Nothing here is collective.
+
+    view : watch.sampling.View, this rank's particles and their scene at the time of a sample
+    """
+
+    def sums(self, view: Any) -> Any:
+        """Return numbers (n,) to be added over the ranks."""
+        return ()
+
+    def rows(self, view: Any) -> Floats:
+        """Return rows (n, WIDTH) of numbers, of which all ranks get those of all."""
+        return np.empty((0, WIDTH))
+
+    def values(self, sums: Floats, rows: Floats, view: Any) -> Any:
+        """Return the values, in the order of the columns, from the sums and the rows of all ranks."""
+        return sums
+
+
+class Probe(Measure, Model):
+    """A named probe, written to probes/NAME.csv. A new kind is a class derived from this one.
 
     With peak=True the run writes the flow at the greatest value of the probe (of its first column, in the bands or the
     window of its truth if it has one) to peaks/NAME.vtkhdf. Every step counts for this, even if samples are written
@@ -33,9 +60,44 @@ class Probe(Model):
 
     With every=N only one in N of the run's samples is taken (Output.probe_every, probe_interval), from the first on:
     for what changes slowly and costs much, such as a Volume. With Output.probe_interval it saves lines, not time.
+
+    A kind has a field `kind` with its word, further fields, and these:
+
+    columns : {name: unit} of what it measures; `columns_in` where they depend on its fields
+    dims : numbers of dimensions in which it works
+    judged : column that a truth is of, "" for the first
+    impacts : columns whose greatest values, and how long they last, the summary tells
+    quantity : what the axes of pictures say, "" for what the unit says; quantities : {column: the same} of others
+    family : of kinds that share axes, "" for its own; of_potential : columns (their beginnings) left out of pictures
+        where gravity is not constant
     """
 
+    columns: ClassVar[Mapping[str, str]] = {}
+    dims: ClassVar[tuple[int, ...]] = (2, 3)
+    judged: ClassVar[str] = ""
+    impacts: ClassVar[tuple[str, ...]] = ()
+    quantity: ClassVar[str] = ""
+    quantities: ClassVar[Mapping[str, str]] = {}
+    family: ClassVar[str] = ""
+    of_potential: ClassVar[tuple[str, ...]] = ()
+
     name: str = Field(description="name of the probe and of its file")
+    truth: Union[Truth, Peaks, None] = Field(None, kw_only=True)
+    peak: bool = Field(False, kw_only=True, description="whether the flow at the greatest value is kept, in the window "
+                                                        "of its truth")
+    arrival: Optional[float] = Field(
+        None, kw_only=True, description="value whose first passing is told in the summary, in the probe's unit")
+    every: int = Field(1, ge=1, kw_only=True,
+                       description="how many of the run's samples there are for one of this probe")
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        fields = cls.model_fields
+        for name in LAST:
+            if name in fields:
+                fields[name] = fields.pop(name)
+        if "kind" in fields and not fields["kind"].is_required():
+            _register(fields["kind"].default, cls)
 
     @field_validator("name")
     @classmethod
@@ -47,308 +109,161 @@ class Probe(Model):
             )
         return name
 
-
-class SurfaceGauge(Probe):
-    """Height y of the free surface [m] above x = `at` [m].
-
-    Examples
-    --------
-    >>> SurfaceGauge("gauge", at=0.25).name
-    'gauge'
-    """
-
-    kind: Literal["surface_gauge"] = "surface_gauge"
-    at: float = Field(description="position x of the gauge [m]")
-    truth: Union[Truth, WaveTruth, Peaks, None] = None
-    peak: Peak = False
-    arrival: Arrival = None
-    every: Every = 1
-
-
-class PressureTap(Probe):
-    """Pressure [Pa] on a wall at the point `at` [m]; on a wall that moves, a point of it at rest, which moves with it.
-
-    It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
-    particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.
-
-    diameter : [m] of a round sensor, over whose disc the pressure is averaged instead: in 2D over a stretch, with
-        the chord of the disc at each place as its weight
-    side : of a Plate, as seen along its points
-    acted : whether the pressure that acts in the step comes beside the mean in time, in the column pressure_acted
-
-    On a body that moves, `at` is where the tap is at t = 0; it moves with the body.
-
-    A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end. It is a
-    mean in time, as of a Force.
-
-    Examples
-    --------
-    >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
-    True
-    >>> PressureTap("P1", at=(3.22, 0.16), diameter=0.09).diameter
-    0.09
-    """
-
-    kind: Literal["pressure_tap"] = "pressure_tap"
-    at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
-    truth: Union[Truth, Peaks, None] = None
-    peak: Peak = False
-    radius: Union[float, None] = Field(
-        None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
-    diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
-    acted: Acted = False
-    arrival: Arrival = None
-    every: Every = 1
-
-    @model_validator(mode="after")
-    def _one_face(self) -> "PressureTap":
-        if self.radius is not None and self.diameter is not None:
-            raise ValueError(f"radius = {self.radius:g} and diameter = {self.diameter:g}: give only one of them, a fit "
-                             "over a stretch of wall or the mean over a disc")
-        return self
-
-
-class WaterFront(Probe):
-    """Position x [m] of the water's foremost particle along the bed.
-
-    Examples
-    --------
-    >>> WaterFront("front").kind
-    'water_front'
-    """
-
-    kind: Literal["water_front"] = "water_front"
-    truth: Union[Truth, Peaks, None] = None
-    peak: Peak = False
-    arrival: Arrival = None
-    every: Every = 1
-
-
-class ColumnHeight(Probe):
-    """Height y [m] of the topmost water connected to the bed at x = `at` [m].
-
-    Examples
-    --------
-    >>> ColumnHeight("column", at=0.0).at
-    0.0
-    """
-
-    kind: Literal["column_height"] = "column_height"
-    at: float = Field(description="position x of the column [m]")
-    truth: Union[Truth, Peaks, None] = None
-    peak: Peak = False
-    arrival: Arrival = None
-    every: Every = 1
-
-
-class Energy(Probe):
-    """Kinetic and potential energy of the fluid [J/m].
-
-    current : whether also by the volumes that particles represent now, not only by those at the start
-
-    Examples
-    --------
-    >>> Energy("energy", current=True).current
-    True
-    """
-
-    kind: Literal["energy"] = "energy"
-    truth: Union[Truth, None] = None
-    peak: Peak = False
-    current: bool = Field(False, description="whether also by the volumes that particles represent now")
-    every: Every = 1
-
-
-class Volume(Probe):
-    """Relative volume of the fluid: mean Voronoi cell inside the fluid over the square of the spacing [-].
-
-    It is 1 on a lattice of the spacing. Scenes with a fluid of another shape may start with other cells.
-
-    Examples
-    --------
-    >>> Volume("volume", every=10).every
-    10
-    """
-
-    kind: Literal["volume"] = "volume"
-    truth: Union[Truth, None] = None
-    peak: Peak = False
-    every: Every = 1
-
-
-class Momentum(Probe):
-    """Momentum of the fluid [kg/s per metre of width].
-
-    Examples
-    --------
-    >>> Momentum("momentum").name
-    'momentum'
-    """
-
-    kind: Literal["momentum"] = "momentum"
-    truth: Union[Truth, None] = None
-    peak: Peak = False
-    every: Every = 1
-
-
-class VelocityProfile(Probe):
-    """Velocity [m/s] and pressure [Pa] at `points` points, evenly from `start` to `end` [m].
-
-    The columns of point k are u_k, v_k and p_k; the first point is 0. Points outside the fluid have nan.
-
-    Examples
-    --------
-    >>> VelocityProfile("middle", start=(0.5, 0.0), end=(0.5, 1.0), points=3).places.tolist()
-    [[0.5, 0.0], [0.5, 0.5], [0.5, 1.0]]
-    """
-
-    kind: Literal["velocity_profile"] = "velocity_profile"
-    start: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="first point (x, y) [m]")]
-    end: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="last point (x, y) [m]")]
-    points: int = Field(21, ge=2, le=1000, description="number of points")
-    truth: Union[Truth, None] = None
-    peak: Peak = False
-    every: Every = 1
-
     @property
-    def places(self) -> Floats:
-        """The points (points, dim) [m]."""
-        return np.linspace(self.start, self.end, self.points)
+    def line(self) -> Optional[tuple[Point, Point]]:
+        """The two points of a line [m] where the water that passes is counted in every step, or None."""
+        return None
 
+    def title(self, scene: Any) -> str:
+        """Return the words for the head of its file: the first line of the class. scene : watch.sampling.Scene"""
+        return (type(self).__doc__ or type(self).__name__).strip().partition("\n")[0].rstrip(".")
 
-class VelocityPoint(Probe):
-    """Velocity u, v [m/s] and pressure p [Pa] at the point `at` [m]; nan outside the fluid.
+    def columns_in(self, scene: Any) -> dict[str, str]:
+        """Return {column: unit}. scene : watch.sampling.Scene"""
+        return dict(self.columns)
 
-    Examples
-    --------
-    >>> VelocityPoint("below", at=(2.0, 0.1)).at
-    (2.0, 0.1)
-    """
+    def problems(self, case: Any) -> Iterator[str]:
+        """Yield what is wrong with it in a case (case.scene.Scene), in words: field, value, limit and remedy."""
+        return iter(())
 
-    kind: Literal["velocity_point"] = "velocity_point"
-    at: Point
-    truth: Union[Truth, None] = None
-    peak: Peak = False
-    every: Every = 1
+    def misplaced(self, places: Any) -> Iterator[str]:
+        """Yield what is wrong with its place between walls of any shape. places : geometry.probe_places.Places"""
+        return iter(())
 
+    def drawn(self, heights: tuple[float, float]) -> Optional[Floats]:
+        """Return its place in pictures: one point or those of a line (n, 2) [m], as its fields say; None without one.
 
-class RunUp(Probe):
-    """Height y [m] of the highest point at which water touches a wall, and its x [m].
+        The fields are `at`, or `start` and `end`, or `points`. heights : of the ends of upright lines [m]
+        """
+        at, start = getattr(self, "at", None), getattr(self, "start", None)
+        if isinstance(at, float):
+            return np.array([(at, height) for height in heights])
+        points = (start, getattr(self, "end", start)) if start is not None else getattr(self, "points", None)
+        points = (at,) if at is not None else points
+        return np.array([point[:2] for point in points]) if points else None
 
-    The water counts that is connected, along the wall, with the lower end of the wall. At a vertical side of a tank it
-    is the surface's height as of a SurfaceGauge; along a line, the surface is continued straight to the line. The line
-    moves with its body.
+    def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
+        """Yield what it does not measure, but may have touched it, and at which of its samples (n,) it did.
 
-    on : name of the body
-    side : of a Tank, an Obstacle or a Plate; or the end of a Profile, to which the line goes from its lowest point. A
-        Piston and a Flap need none
-    points : the line itself [m], from below the water upwards, in place of a side, as it is at t = 0
-    film : along a line: thinnest film that counts [m]. In one of thickness h, particles of spacing s are s^2/h apart.
-        None to let water end where they are 2.1 spacings apart, in a film of half a spacing, and to leave out spray
+        values : (columns, n) of a run of the case; scene : watch.sampling.Scene
+        """
+        yield "no value, outside the fluid,", ~np.isfinite(values).all(axis=0)
 
-    Examples
-    --------
-    >>> RunUp("wall", side="right").on
-    'tank'
-    >>> RunUp("beach", points=[(4.0, 0.0), (6.0, 0.5)]).points[1]
-    (6.0, 0.5)
-    """
+    def ghosts(self) -> tuple[str, ...]:
+        """Return the fields of the ghosts that must be up to date."""
+        return ()
 
-    kind: Literal["run_up"] = "run_up"
-    on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the body, or end of the profile")
-    points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
-                                                description="line along the wall, from below the water upwards [m]")
-    film: Optional[float] = Field(None, gt=0.0, description="thinnest film that counts [m]")
-    truth: Union[Truth, Peaks, None] = None
-    peak: Peak = False
-    arrival: Arrival = None
-    every: Every = 1
-
-    @model_validator(mode="after")
-    def _one_line(self) -> "RunUp":
-        neither = self.side is None and self.points is None and self.on == "tank"
-        if neither or (self.side is not None and self.points is not None):
-            raise ValueError("give either a side of the tank, side='left' or 'right', or the points of a line")
+    def begin(self, scene: Any) -> Measure:
+        """Return what measures it in a run: this record, or what keeps more. scene : watch.sampling.Scene"""
         return self
 
 
-class Force(Probe):
-    """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
+class Unknown(Probe):
+    """A probe of a run that is only looked at, whose class is not here."""
 
-    It is the whole pressure, with its hydrostatic part: water at rest presses, too. With `still`, the columns
-    fx_dynamic, fy_dynamic and moment_dynamic come beside it: the same less the force of water at rest up to the height
-    `still`, rho g (still - y) below it and 0 above, on the wall where it is at that time. They are 0 for water at rest.
+    model_config = {"extra": "allow"}
 
-    Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
-    with method="SPH", the end.
+    kind: str
+    truth: Union[Truth, WaveTruth, Peaks, None] = None    # type: ignore[assignment]    # as of a SurfaceGauge, too
 
-    It is a mean over the steps around, with weights that fall linearly to 0 at the means before and after. These are a
-    step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)), with the
-    largest speed u and the largest one of the body force, the mean acceleration by pressure and the acceleration of
-    walls as a: particles do not resolve what is shorter. The trapezoidal rule over the samples of all steps gives the
-    impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
-    step.
 
-    on : name of the body
-    side : of a tank; None for all of it
-    about : point of the moment [m]
-    still : height y of the still level [m], for the dynamic part
-    acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
-        moment_acted
+class OfPressure(Probe):
+    """A probe whose values are those of the pressure alone, and linear in it: means in time in a run (watch.means).
 
-    Examples
-    --------
-    >>> Force("load", side="right", about=(1.0, 0.0)).side
-    'right'
+    A sample has the time for which its pressure is solved.
     """
 
-    kind: Literal["force"] = "force"
-    on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
-    about: Point = (0.0, 0.0)
-    still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
-    acted: Acted = False
-    truth: Union[Truth, Peaks, None] = None
-    peak: Peak = False
-    every: Every = 1
+    acted: bool = Field(
+        False, kw_only=True, description="whether the pressure that acts in the step is given beside its mean")
 
 
-class Flux(Probe):
-    """Water that passes the straight line from `start` to `end` [m]: its rate [m2/s] and the total so far [m2].
+class Gauge(Probe):
+    """A probe of a height above x = `at` [m]. of_surface : whether that of the free surface, as theories have it."""
 
-    Both are positive for water that passes from the left of the line to its right, as seen from `start` to `end`:
-    towards +x, if the line goes upwards. They are per metre of width. The line stands still in the frame of the scene.
+    columns = {"y": "m"}
+    family = "height $y$"
+    of_surface: ClassVar[bool] = False
 
-    total : the sum of the volumes of all particles that have passed, less those that have come back. It is exact: water
-        behind a line that closes a basin has gained as much
-    rate : by the velocities of particles within a spacing of the line at that time. Its integral is the total up to
-        what particles are moved to keep their distances even
+    at: float = Field(description="position x [m]")
 
-    pause : time without water passing that ends an event [s]. With it, the summary tells each event with its start, its
-        end and its volume, as of crests that come over a wall; their sum is the total. None for no events
+    def problems(self, case: Any) -> Iterator[str]:
+        """See Probe: it stands between the walls."""
+        if case.wall_bounds is not None:
+            low, high = case.wall_bounds
+            if not low[0] <= self.at <= high[0]:
+                yield f"at = {self.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
 
-    Examples
-    --------
-    >>> Flux("over", start=(4.0, 0.5), end=(4.0, 1.0), pause=0.3).pause
-    0.3
+    def misplaced(self, places: Any) -> Iterator[str]:
+        """See Probe: there is room for fluid."""
+        if not places.has_room(self.at):
+            yield f"at = {self.at:g}: there is no room for fluid above or below it; move it"
+
+    def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
+        """See Probe: gauges fall dry, and the surface may be above the walls."""
+        yield from super().touched(values, case, scene)
+        bed, first, s = scene.bed_at(np.array([self.at])), values[0], case.numerics.spacing
+        moving = scene.now is not None and scene.now.moving
+        if bed is not None and not moving and first[0] > bed[0] + s:
+            yield "emptied", first <= bed[0] + DRY * s
+        if case.tank is not None and not case.lidded:
+            yield "out of range, above the walls,", first > float(case.tank.bounds[1][-1])
+
+
+_LOADED: dict[str, type[Probe]] = {}
+
+
+@cache
+def ours() -> dict[str, str]:
+    """Return {kind: module} of the kinds that come with parisph."""
+    folder = Path(__file__).parent.parent.joinpath(*OURS.split(".")[1:])
+    return {path.stem.removesuffix("_probe"): f"{OURS}.{path.stem}" for path in sorted(folder.glob("[a-z]*.py"))}
+
+
+def class_of(kind: Any) -> Optional[type[Probe]]:
+    """Return the class of a kind, None if there is none. A kind that comes with parisph is imported when needed."""
+    if kind not in _LOADED and kind in ours():
+        import_module(ours()[kind])
+    return _LOADED.get(kind)
+
+
+def _register(kind: str, cls: type[Probe]) -> None:
+    """Note the class of a kind. A case file may be read again: its class replaces its own earlier self.
+
+    Raises ValueError for a class from outside of the package with a kind of the package.
     """
-
-    kind: Literal["flux"] = "flux"
-    start: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="first point (x, y) [m]")]
-    end: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="last point (x, y) [m]")]
-    pause: Optional[float] = Field(None, gt=0, description="time without water passing that ends an event [s]")
-    truth: Union[Truth, Peaks, None] = None
-    peak: Peak = False
-    every: Every = 1
+    if not cls.__module__.startswith("parisph."):
+        if kind in ours() or kind == "probe_array":
+            raise ValueError(f"there is another probe {kind!r}: give yours a kind of its own")
+        vocabulary.add("probe", kind)
+    _LOADED[kind] = cls
+    _validator.cache_clear()
 
 
-Single = Annotated[
-    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
-          RunUp, Force, Flux],
-    Field(discriminator="kind", description="a probe"),
-]
+@cache
+def _validator(kind: str) -> SchemaValidator:
+    """Return what validates a record of a kind, and puts the kind into the place of an error, as pydantic's unions do.
+    """
+    cls: Any = _LOADED[kind]
+    cls.model_rebuild()
+    return SchemaValidator(core_schema.tagged_union_schema({kind: cls.__pydantic_core_schema__}, "kind"))
+
+
+def _of_its_kind(value: Any, info: ValidationInfo) -> Probe:
+    """Return a probe, or make one of a dictionary by its kind. Of a run that is only looked at it may be Unknown."""
+    if isinstance(value, Probe) and getattr(value, "kind", None):
+        return value
+    kind = value.get("kind") if isinstance(value, dict) else None
+    cls = class_of(kind) if isinstance(kind, str) else None
+    if cls is not None:
+        found: Probe = _validator(str(kind)).validate_python(value, context=info.context)
+        return found
+    if info.context and isinstance(kind, str):
+        return Unknown.model_validate(value, context=info.context)
+    known = f"{', '.join(map(repr, dict.fromkeys((*ours(), *_LOADED))))}, or of a file that is named by --parts"
+    raise PydanticKnownError("union_tag_invalid", {"discriminator": "'kind'", "tag": str(kind), "expected_tags": known})
+
+
+AnyProbe = Annotated[SerializeAsAny[Probe], PlainValidator(_of_its_kind), Field(description="a probe")]
 
 
 class ProbeArray(Probe):
@@ -364,31 +279,26 @@ class ProbeArray(Probe):
     """
 
     kind: Literal["probe_array"] = "probe_array"
-    probes: tuple[Single, ...] = Field(min_length=1, max_length=1000, description="probes")
-    truth: Optional[Profiles] = None
+    probes: tuple[AnyProbe, ...] = Field(min_length=1, max_length=1000, description="probes")
+    truth: Optional[Profiles] = None    # type: ignore[assignment]    # in place of a series
     peak: Literal[False] = False
-    every: Every = 1
+    arrival: None = None
 
     @model_validator(mode="after")
     def _plain(self) -> "ProbeArray":
         names = [probe.name for probe in self.probes]
         for probe in self.probes:
+            if isinstance(probe, ProbeArray):
+                raise ValueError(f"{probe.name!r} is an array itself; give its probes one by one")
             if names.count(probe.name) > 1:
                 raise ValueError(f"the name {probe.name!r} is given {names.count(probe.name)} times; "
                                  "give each probe a name of its own")
             if probe.truth is not None or probe.peak or probe.every != 1:
                 raise ValueError(f"probe {probe.name!r}: a truth, peak=True or every=N is for a probe with a file of "
                                  "its own; take it out of the array, or give every=N to the array")
-        if self.truth is not None and not all(isinstance(probe, SurfaceGauge) for probe in self.probes):
+        if self.truth is not None and not all(isinstance(probe, Gauge) and probe.of_surface for probe in self.probes):
             raise ValueError("truth: Profiles are compared with an array of nothing but SurfaceGauges")
         return self
-
-
-AnyProbe = Annotated[
-    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
-          RunUp, Force, Flux, ProbeArray],
-    Field(discriminator="kind", description="a probe"),
-]
 
 
 def singles(probes: Sequence[Probe]) -> list[tuple[str, Probe]]:
@@ -398,3 +308,8 @@ def singles(probes: Sequence[Probe]) -> list[tuple[str, Probe]]:
         inside: Sequence[Probe] = probe.probes if isinstance(probe, ProbeArray) else ()
         found += [(f"{probe.name}.{one.name}", one) for one in inside] if inside else [(probe.name, probe)]
     return found
+
+
+def surface_gauges(probes: Sequence[Probe]) -> dict[str, Gauge]:
+    """Return {name: gauge} of the gauges of the free surface among probes, named as in `singles`."""
+    return {name: probe for name, probe in singles(probes) if isinstance(probe, Gauge) and probe.of_surface}

@@ -19,21 +19,7 @@ from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, 
 from parisph.case.numerics import Numerics, Output
 from parisph.case.origin import Origin
 from parisph.case.presets import CLOSED, PRESETS, preset_values
-from parisph.case.probes import (
-    ColumnHeight,
-    Energy,
-    Flux,
-    Force,
-    Momentum,
-    PressureTap,
-    ProbeArray,
-    RunUp,
-    SurfaceGauge,
-    VelocityPoint,
-    VelocityProfile,
-    Volume,
-    WaterFront,
-)
+from parisph.case.probes import ProbeArray
 from parisph.case.profiles import Profiles
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Lid, Polygon, Tank
@@ -41,12 +27,11 @@ from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Flap", "FlapStroke",
-    "Fluid", "Flux", "Force", "Friction", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle",
-    "Output", "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile",
-    "Profiles", "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave",
-    "StillWater", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint",
-    "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "Disc", "Flap", "FlapStroke", "Fluid", "Friction", "Heave",
+    "Jonswap", "Lid", "Moved", "Numerics", "Obstacle", "Output", "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate",
+    "Polygon", "ProbeArray", "Profile", "Profiles", "Relaxation", "Roll", "Series", "Sloshing", "SolitaryWave",
+    "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "Sway", "Tabulated", "Tank", "Truth",
+    "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at

@@ -10,9 +10,11 @@ from mpi4py import MPI
 
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.motion import AtRest
-from parisph.case.schema import Box, Case, Energy, Volume
+from parisph.case.schema import Box, Case
 from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
+from parisph.watch.probes.energy_probe import Energy
+from parisph.watch.probes.volume import Volume
 from parisph.watch.sampling import Scene, View
 
 EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
@@ -91,7 +93,7 @@ class Conservation:
                  start: Mapping[str, float | None] | None = None) -> None:
         case = simulation.case
         self._scene = Scene.of(case)
-        self._energy, = instruments.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
+        self._energy = Energy(name="energy")
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
@@ -131,7 +133,7 @@ class Conservation:
             "energy_drift": energy.relative(energy.now), "energy_range": energy.extremes(),
             "energy_in_motion": None if motion.low is None else {
                 "start": start, "end": end, "high": high, "high_time": motion.high_time, "drift": change,
-                "unit": self._energy.columns["total"]},
+                "unit": self._energy.columns_in(self._scene)["total"]},
             "driven": self.driven,
         }
 
@@ -167,9 +169,10 @@ class Conservation:
 
     def _look_at_energy(self, simulation: Simulation, whole: bool = False) -> None:
         s, p = simulation, simulation.particles
-        sums = np.asarray(self._energy.sums(View(p, s.domain)), float)
+        view = View(p, s.domain, self._scene, s.time)
+        sums = self._energy.sums(view)
         s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
-        kinetic, potential, total = self._energy.values(sums, None)
+        kinetic, potential, total = self._energy.values(sums, np.empty(0), view)
         self.energy.add(s.time, total + s.left.energy - self._lowest * (sums[2] + s.left.volume))
         self.kinetic.add(s.time, kinetic)
         if self.by_surface:

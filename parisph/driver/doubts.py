@@ -12,13 +12,14 @@ from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater, motion_of
 from parisph.case.motion import AtRest
-from parisph.case.probes import SurfaceGauge
+from parisph.case.probes import Gauge
 from parisph.case.schema import Case
 from parisph.driver.conservation import Conservation, has_level
 from parisph.driver.simulation import Simulation
 from parisph.io.reader import Run
 from parisph.kernels.closest import least_distance
 from parisph.watch import instruments
+from parisph.watch.probes.surface_gauge import SurfaceGauge
 from parisph.watch.sampling import Scene
 
 
@@ -218,7 +219,8 @@ def of_gauges(case: Case, run: Run) -> list[str]:
         return []
     found = []
     for probe in case.probes:
-        if isinstance(probe, SurfaceGauge) and not any(zone.start <= probe.at <= zone.end for zone in case.absorb):
+        if isinstance(probe, Gauge) and probe.of_surface and not any(
+                zone.start <= probe.at <= zone.end for zone in case.absorb):
             series = run.probe(probe.name)
             found.append((*_uneven(series["time"], series["y"], case.numerics.spacing), probe.name))
     share, when, name = max(found, key=lambda one: abs(one[0]), default=(0.0, 0.0, ""))

@@ -12,7 +12,7 @@ from parisph.driver.peaks import PeakFlows
 from parisph.driver.schedule import ROUNDING, Times
 from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
-from parisph.watch.means import Means
+from parisph.watch.means import Means, between
 from parisph.watch.sampling import Sampler
 
 Values = dict[str, tuple[float, ...]]    # of each probe
@@ -49,7 +49,7 @@ class Watch:
     Parameters
     ----------
     simulation : Simulation
-    samplers : list of Sampler (io.probes.build)
+    samplers : list of Sampler (watch.instruments.build)
     output : Output of the case
     peaks : PeakFlows, which sees the values of its probes in every step: means when they are known
     state : of an earlier part of the run, from its checkpoint (see `state`)
@@ -73,9 +73,6 @@ class Watch:
         if state and self._averaged:
             self._means = Means.resumed(state["means"])
             self._pending = [(time, step, number) for time, step, number in state["pending"]]
-        for sampler in samplers:
-            for member in sampler.members:
-                member.follow(simulation.passages)
         self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:
@@ -223,7 +220,7 @@ class Watch:
     def _sample(self, samplers: Sequence[Sampler]) -> Values:
         s = self.simulation
         with s.timers("probes"):
-            return instruments.sample_all(samplers, s.particles, s.domain, s.time)
+            return instruments.sample_all(samplers, s.particles, s.domain, s.time, s.passages)
 
 
 def _is_for(sampler: Sampler, number: int) -> bool:
@@ -238,14 +235,9 @@ def _between(before: tuple[float, Values] | None, after: tuple[float, Values], t
     """
     if before is None:
         return after[1]
-    share = (time - before[0]) / (after[0] - before[0])
-    if share > 1.0 - ROUNDING:
+    if time - before[0] > (1.0 - ROUNDING) * (after[0] - before[0]):
         return after[1]
-    found = {}
-    for name, values in after[1].items():
-        if name not in before[1]:    # of the other clock
-            continue
-        a, b = np.array(before[1][name]), np.array(values)
-        mixed = np.where(np.isfinite(a + b), a + share * (b - a), a if share < 0.5 else b)
-        found[name] = tuple(mixed.tolist())
-    return found
+    # what before[1] lacks is of the other clock
+    ends = {name: [(before[0], np.array(before[1][name])), (after[0], np.array(values))]
+            for name, values in after[1].items() if name in before[1]}
+    return {name: tuple(between(line, time).tolist()) for name, line in ends.items()}

@@ -147,7 +147,7 @@ class Simulation:
         self._has_pressure = start is not None
         self._shortest = SHORTEST * _step_of_top_speed(case, self.numerics)
         self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
-        self.passages = Passages.of(case, self.comm, start.state.get("passed") if start is not None else None)
+        self.passages = Passages(case, self.comm, start.state.get("passed") if start is not None else None)
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     @_collective

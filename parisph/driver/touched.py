@@ -1,17 +1,12 @@
 """Which probes of a run were touched by what they do not measure: out of the water, dry, or above the walls."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
-from parisph.base.arrays import Flags, Floats
-from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
+from parisph.base.arrays import Flags
 from parisph.case.schema import Case
 from parisph.io.reader import Run
 from parisph.truth.recorded import probe_records
 from parisph.watch.sampling import Scene
-
-DRY = 1e-6    # of the spacing above the bed, or of the greatest pressure: a gauge or a tap with no more is dry
 
 
 def probes(case: Case, run: Run) -> dict[str, str]:
@@ -28,25 +23,10 @@ def probes(case: Case, run: Run) -> dict[str, str]:
         time = record.table["time"]
         values = np.stack([np.asarray(record.table[name], float) for name in record.columns])
         words = [f"{what} in {_share(when)} of its samples, first at t = {time[when][0]:.4g} s"
-                 for what, when in _touches(case, scene, record.probe, values) if when.any()]
+                 for what, when in record.probe.touched(values, case, scene) if when.any()]
         if words:
             found[record.name] = "; ".join(words)
     return found
-
-
-def _touches(case: Case, scene: Scene, probe: object, values: Floats) -> Iterator[tuple[str, Flags]]:
-    """Yield what may touch a probe, and at which of its samples (n,) it did. values : (columns, n)"""
-    yield "no value, outside the fluid,", ~np.isfinite(values).all(axis=0)
-    first = values[0]
-    if isinstance(probe, (SurfaceGauge, ColumnHeight)):
-        bed = scene.bed_at(np.array([probe.at]))
-        moving = scene.now is not None and scene.now.moving
-        if bed is not None and not moving and first[0] > bed[0] + case.numerics.spacing:
-            yield "emptied", first <= bed[0] + DRY * case.numerics.spacing
-        if case.tank is not None and not case.lidded:
-            yield "out of range, above the walls,", first > float(case.tank.bounds[1][-1])
-    elif isinstance(probe, PressureTap) and first[0] > 0.0:
-        yield "emptied", np.abs(first) <= DRY * np.nanmax(np.abs(first))
 
 
 def _share(when: Flags) -> str:

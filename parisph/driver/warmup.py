@@ -9,11 +9,13 @@ from mpi4py import MPI
 
 from parisph.base.errors import ParisphError, agree
 from parisph.case.numerics import Numerics
-from parisph.case.schema import Box, Case, Energy, Fluid, Obstacle, Tank, Volume
+from parisph.case.schema import Box, Case, Fluid, Obstacle, Tank
 from parisph.kernels import jit, processor
 from parisph.parallel import halo
 from parisph.pressure import matrices
 from parisph.watch import instruments
+from parisph.watch.probes.energy_probe import Energy
+from parisph.watch.probes.volume import Volume
 
 CELLS = 12     # sides of the small tank, in spacings
 FILLED = 6     # sides of the body of fluid in it

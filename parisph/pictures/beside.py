@@ -8,7 +8,7 @@ import numpy as np
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.case.model import Model
-from parisph.case.probes import AnyProbe, ProbeArray, SurfaceGauge
+from parisph.case.probes import Gauge, Probe, ProbeArray
 from parisph.case.profiles import read_profiles
 from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of, read_truth
 from parisph.io.reader import Run
@@ -23,17 +23,17 @@ if TYPE_CHECKING:
 MOST = 99.8    # percentile of the values of the run that the axes contain
 
 
-def references(probe: AnyProbe, run: Run) -> dict[str, curves.Samples]:
+def references(probe: Probe, run: Run) -> dict[str, curves.Samples]:
     """Return {name: (times (n,) [s], values (n,))} of the references of a probe. Raises CaseError for its file."""
     truth = probe.truth
-    if isinstance(truth, WaveTruth) and isinstance(probe, SurfaceGauge):
+    if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
         time = run.probe(probe.name)["time"]
         return {"wave": (time, truth.series(probe.at, time))}
     series = (truth, *truth.others) if isinstance(truth, Truth) else ()
     return {one.name or "reference": read_truth(one) for one in series}
 
 
-def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figure":
+def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure":
     """Draw a probe and its references, without a shift of time; return the matplotlib Figure.
 
     Times that are not compared are grey. Boxes are bands of peaks in experiments. Raises CaseError, StoreError.
@@ -57,7 +57,7 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     bands = _bands(probe.truth)
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
-    what = curves.KINDS.get(probe.kind, curves.UNITS.get(unit, probe.kind.replace("_", " ")))
+    what = probe.quantity or curves.UNITS.get(unit, probe.kind.replace("_", " "))
     axes.set_ylabel(f"{what} [{style.written(shown) or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)

@@ -10,6 +10,7 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.case import differences
+from parisph.case.probes import Probe, class_of
 from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import states, style
@@ -21,16 +22,7 @@ if TYPE_CHECKING:
 
 Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 
-# Labels of axes by the kind of a probe; kinds that share axes; columns with other labels; labels by the unit.
-KINDS = {
-    "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
-    "column_height": "column height $y$", "energy": "energy", "momentum": "momentum",
-    "volume": "mean cell inside the fluid $/\\,s^2$", "run_up": "highest contact", "force": "force",
-    "flux": "volume rate",
-}
-FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
-COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
-           ("flux", "total"): "volume passed", ("energy", "volume_now"): "volume"}
+# Labels by the unit, for kinds of probes without a label (case.probes.Probe.quantity).
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
          "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume"}
 TALL = 4        # most panels below each other; of more there are two in a row
@@ -166,14 +158,15 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
             columns = [column for column in table.dtype.names if column not in ("time", "step")
                        and table[column].dtype.kind == "f"]
             several = len(columns) > 1
-            if kinds.get(name) == "energy" and not style.has_potential(run.case):
-                columns = [column for column in columns if not column.startswith(("potential", "total"))]
+            cls = class_of(kinds.get(name)) or Probe
+            if not style.has_potential(run.case):
+                columns = [column for column in columns if not column.startswith(cls.of_potential)]
             for column in columns:
                 # a probe of an unknown kind shares axes with others of its unit
                 kind = kinds.get(name, "" if units[column] else name)
                 curve = Curve(run, label if len(runs) > 1 else "", name, column if several else "",
                               table["time"], table[column])
-                groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
+                groups.setdefault((cls.family or kind, units[column]), []).append(curve)
     return groups
 
 
@@ -369,11 +362,9 @@ def _value_label(curves, series, unit, shown, scaled):
     kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ())
              if probe["name"] == curve.probe}
     what = UNITS.get(unit, "")
-    if len(kinds) == 1:
-        kind = kinds.pop()
-        what = COLUMNS.get((kind, series[0][1]), KINDS.get(kind, what))
-    elif kinds:
-        what = FAMILIES.get(kinds.pop(), what)
+    if kinds:
+        cls = class_of(kinds.pop()) or Probe
+        what = (cls.family if kinds else cls.quantities.get(series[0][1], cls.quantity)) or what
     if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names the runs only
         what = what if series[0][0] in what else f"{series[0][0]}: {what}"
     if scaled:

@@ -7,17 +7,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.case.expressions import uniform_field
-from parisph.case.probes import (
-    ColumnHeight,
-    Flux,
-    PressureTap,
-    Probe,
-    ProbeArray,
-    RunUp,
-    SurfaceGauge,
-    VelocityPoint,
-    VelocityProfile,
-)
+from parisph.case.probes import Gauge, ProbeArray
 from parisph.case.schema import Case
 from parisph.pictures import labels, style
 
@@ -65,8 +55,7 @@ def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, 
         members = probe.probes if isinstance(probe, ProbeArray) else (probe,)
         many = len(members) > MANY
         for number, one in enumerate(members):
-            upright = isinstance(one, (SurfaceGauge, ColumnHeight))
-            x = _places(one, heights)
+            upright, x = isinstance(one, Gauge), one.drawn(heights)
             if x is None:
                 continue
             if many and upright:
@@ -96,14 +85,3 @@ def still_level(case: Case) -> float | None:
     (left, right), (lower, upper) = case.ends, case.fluid_bounds
     down = gravity[1] < 0.0 and abs(gravity[0]) < 1e-9 * abs(gravity[1])
     return float(upper[1]) if down and upper[0] - lower[0] >= WIDE * (right - left) > 0.0 else None
-
-
-def _places(probe: Probe, heights: tuple[float, float]) -> Floats | None:
-    """Return the points (n, 2) [m] of the line of a probe, or its one point; None for a probe of all fluid."""
-    if isinstance(probe, (SurfaceGauge, ColumnHeight)):
-        return np.array([(probe.at, heights[0]), (probe.at, heights[1])])
-    if isinstance(probe, (VelocityProfile, Flux)):
-        return np.array([probe.start[:2], probe.end[:2]])
-    if isinstance(probe, RunUp) and probe.points is not None:
-        return np.array([point[:2] for point in probe.points])
-    return np.array([probe.at[:2]]) if isinstance(probe, (PressureTap, VelocityPoint)) else None

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from parisph.base.text import named
-from parisph.case.probes import AnyProbe
+from parisph.case.probes import Probe
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 from parisph.report.entries import Cell, CellTable, number
@@ -19,7 +19,7 @@ ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", 
               "samples", "least of others", "best shift [s]", "error if so shifted")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
 AT_END = 0.999    # of the range of shifts, beyond which the error may go on to fall
-Probes = Sequence[AnyProbe]
+Probes = Sequence[Probe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
 
@@ -44,7 +44,7 @@ def errors(probes: Probes, case: Content, summary: Content) -> CellTable:
                                    for row in _of_probe(k, probe, case, summary)))
 
 
-def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Iterator[tuple[Cell, ...]]:
+def _of_probe(k: int, probe: Probe, case: Content, summary: Content) -> Iterator[tuple[Cell, ...]]:
     for truth, place, path in _truths(k, probe):
         error = error_of(summary, path)
         start, end, points, shift, shifted = (
@@ -67,7 +67,7 @@ def _at_the_end(summary: Content, path: list[Any]) -> bool:
     return bool(shift and sought and abs(shift) > AT_END * sought)
 
 
-def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
+def _truths(k: int, probe: Probe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
     """Yield the truths of probe k, each with its place in the case and in the summary."""
     truth, path = probe.truth, ["errors", probe.name]
     place: list[Any] = ["probes", k, "truth"]
@@ -145,7 +145,7 @@ def _once(told: list[tuple[str, str]]) -> list[tuple[str, str]]:
     return [(", ".join(dict.fromkeys(all_of_them)), text) for text, all_of_them in names.items()]
 
 
-def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:
+def _with_files(probe: Probe) -> tuple[Truth | Profiles, ...]:
     truth = probe.truth
     return (truth, *truth.others) if isinstance(truth, (Truth, Profiles)) else ()
 

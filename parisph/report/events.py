@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+from parisph.case.probes import Probe, class_of
 from parisph.case.truths import bands_of
 from parisph.report.account import CASE, SUMMARY, Content, Probes, name_of
 from parisph.report.entries import Cell, CellTable, number
@@ -55,7 +56,7 @@ def _remarks(summary: Content, path: list[Any]) -> dict[str, str]:
 
 def arrivals(case: Content, summary: Content) -> CellTable:
     """Return when probes reach the values of their `arrival`."""
-    levels = {name: number(case, CASE, place, ".4g", "Pa" if kind == "pressure_tap" else "m")
+    levels = {name: number(case, CASE, place, ".4g", next(iter((class_of(kind) or Probe).columns.values()), ""))
               for name, kind, place in _levels(case)}
     return CellTable(ARRIVAL_HEAD, tuple(
         (Cell(name), levels.get(name, Cell("-")), number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))

@@ -12,7 +12,7 @@ from parisph.base.errors import CaseError, ParisphError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, plain
 from parisph.case import stored
-from parisph.case.probes import AnyProbe, ProbeArray
+from parisph.case.probes import Probe, ProbeArray
 from parisph.case.truths import intervals
 from parisph.io.files import write_text
 from parisph.io.folder import make_inside
@@ -34,7 +34,7 @@ class Subject:
     run: Run
     title: str
     case: dict[str, Any]
-    probes: list[AnyProbe]
+    probes: list[Probe]
     summary: dict[str, Any]
 
 

@@ -11,6 +11,7 @@ from parisph.base.arrays import Floats
 from parisph.base.errors import ParisphError
 from parisph.base.table import names as columns_of
 from parisph.base.table import read_reference
+from parisph.case.probes import Probe, class_of
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.study import report
@@ -116,7 +117,8 @@ def _key(one: Result, sort: str | None) -> str:
 def _column(run: Run, probe: str) -> str:
     names = [name for name in run.probe(probe).dtype.names or () if name not in ("time", "step")]
     kind = next((about["kind"] for about in run.case.get("probes", ()) if about["name"] == probe), "")
-    return "total" if kind == "energy" and "total" in names else names[0]
+    judged = (class_of(kind) or Probe).judged
+    return judged if judged in names else names[0]
 
 
 def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]]:

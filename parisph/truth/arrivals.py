@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.case.probes import Probe, singles
+from parisph.case.probes import singles
 from parisph.case.schema import Case
 from parisph.truth.recorded import Recorded, probe_records
 
@@ -12,14 +12,10 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
 
     The first column of a probe counts. A probe of an array is named "gauges.x1".
     """
-    found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if _has_arrival(probe)}
-    for record in probe_records(case, run, _has_arrival):
+    found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if probe.arrival is not None}
+    for record in probe_records(case, run, lambda probe: probe.arrival is not None):
         found[record.name] = first_passing(record.table["time"], record.table[record.columns[0]], record.probe.arrival)
     return found
-
-
-def _has_arrival(probe: Probe) -> bool:
-    return getattr(probe, "arrival", None) is not None
 
 
 def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:

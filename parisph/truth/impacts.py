@@ -14,7 +14,6 @@ from parisph.case.truths import intervals
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded, probe_records
 
-JUDGED = {"pressure_tap": {"pressure": "Pa"}, "force": {"fx": "N/m", "fy": "N/m"}}    # columns of probes, their units
 MEAN = 0.005     # [s] of the mean about a peak, about what a sensor and its amplifier resolve
 AROUND = 10      # samples to either side of a peak: the larger of their medians is the level around it
 ABOVE = 1.5      # times that level, below which a peak is no spike
@@ -74,16 +73,16 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     times that count.
     """
     found: dict[str, dict[str, Any]] = {}
-    for record in probe_records(case, run, lambda probe: probe.kind in JUDGED):
-        time = record.table["time"]
-        for column, unit in JUDGED[record.probe.kind].items():
+    for record in probe_records(case, run, lambda probe: bool(probe.impacts)):
+        time, several = record.table["time"], len(record.probe.impacts) > 1
+        for column in record.probe.impacts:
             values = record.values(column)
-            size = values if column == "pressure" else np.abs(values)
+            size = np.abs(values) if several else values
             some = greatest(time, size, _allowed(record.probe.truth, time), coarse(record.table))
             if some and some[0].value > 0.0:    # a component without any force has no peak
                 lasting = None if some[-1].short else some[-1]._asdict()
-                found[record.name if column == "pressure" else f"{record.name}.{column}"] = {
-                    **some[0]._asdict(), "unit": unit, "mean_over": MEAN, "lasting": lasting}
+                found[f"{record.name}.{column}" if several else record.name] = {
+                    **some[0]._asdict(), "unit": record.probe.columns[column], "mean_over": MEAN, "lasting": lasting}
     return found
 
 

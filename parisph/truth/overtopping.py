@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.probes import Flux
 from parisph.case.schema import Case
 from parisph.truth.recorded import Recorded, probe_records
 
@@ -13,7 +12,7 @@ from parisph.truth.recorded import Recorded, probe_records
 def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: {"total" [m2], "events": list, None without `pause`}}; in arrays as "lines.over"."""
     found: dict[str, dict[str, Any]] = {}
-    for record in probe_records(case, run, lambda probe: isinstance(probe, Flux)):
+    for record in probe_records(case, run, lambda probe: probe.line is not None):
         total, pause = record.values("total"), record.probe.pause
         if len(total):
             found[record.name] = {"total": float(total[-1]),

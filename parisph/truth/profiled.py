@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.probes import ProbeArray, SurfaceGauge
+from parisph.case.probes import ProbeArray, surface_gauges
 from parisph.case.profiles import Profiles, height, read_profiles
 from parisph.truth.recorded import Recorded
 
@@ -15,7 +15,7 @@ Pair = tuple[float, Floats, Floats, Floats]    # time [s]; places, heights of th
 def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
     """Return run and reference at each time of the reference that the run has reached. Raises CaseError, StoreError."""
     table = run.probe(probe.name)
-    gauges = sorted((one for one in probe.probes if isinstance(one, SurfaceGauge)), key=lambda one: one.at)
+    gauges = sorted(surface_gauges(probe.probes).values(), key=lambda one: one.at)
     places, found = np.array([one.at for one in gauges]), []
     for time, x, y in read_profiles(truth):
         if not table["time"][0] <= time <= table["time"][-1]:

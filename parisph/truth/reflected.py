@@ -12,7 +12,7 @@ from parisph.base.reading import listed
 from parisph.base.text import shown
 from parisph.case.absorb import Relaxation, group_velocity
 from parisph.case.bodies import Flap, Piston
-from parisph.case.probes import SurfaceGauge, singles
+from parisph.case.probes import Gauge, surface_gauges
 from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.case.waves import Jonswap, SolitaryWave
@@ -138,10 +138,10 @@ def _makers(case: Case) -> list[tuple[Any, float]]:
     return [(wave, place) for wave, place in found if wave is not None and hasattr(wave, "period")]
 
 
-def _gauges(case: Case, depth: float) -> dict[str, SurfaceGauge]:
+def _gauges(case: Case, depth: float) -> dict[str, Gauge]:
     """Return {name: gauge} outside zones, sorted by x, from the wavemaker to the first gauge in another depth [m]."""
-    found = [(name, probe) for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)
-             and not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
+    found = [(name, probe) for name, probe in surface_gauges(case.probes).items()
+             if not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
     mesh = None if all(isinstance(body, (Tank, Piston, Flap)) for body in case.bodies) else build.scene_mesh(case)
     if found and mesh is not None:
         start = _makers(case)[0][1] if _makers(case) else -np.inf
@@ -152,8 +152,8 @@ def _gauges(case: Case, depth: float) -> dict[str, SurfaceGauge]:
     return dict(sorted(found, key=lambda one: one[1].at))
 
 
-def _gauge(case: Case, name: str) -> SurfaceGauge:
-    there = {name: probe for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)}
+def _gauge(case: Case, name: str) -> Gauge:
+    there = surface_gauges(case.probes)
     if name not in there:
         raise CaseError(f"there is no SurfaceGauge {shown(name)} (there is {listed(list(there)) or 'none'})")
     return there[name]

@@ -5,14 +5,12 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import ParisphError
-from parisph.case.probes import AnyProbe, ProbeArray
+from parisph.case.probes import Probe, ProbeArray
 from parisph.case.schema import Case
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.truth import impacts, norms, profiled
 from parisph.truth.recorded import Recorded
 
-# The column that is compared with a truth; of other probes the first.
-COLUMNS = {"energy": "total", "volume": "cell", "flux": "total"}
 SOUGHT = 0.05    # of the compared time: largest shift either way that is tried
 
 
@@ -38,7 +36,7 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     return {probe.name: _tried(_error, probe, run) for probe in case.probes if probe.truth is not None}
 
 
-def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
+def series(probe: Probe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
     """Return the times (n,) [s] and values (n,) of a probe that are compared with its truth."""
     found, column = _recorded(probe, run)
     return found["time"], found[column]
@@ -47,7 +45,7 @@ def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
 def _recorded(probe, run):
     """Return the table of a probe, and the column that is compared with its truth."""
     found = run.probe(probe.name)
-    return found, COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
+    return found, probe.judged or next(name for name in found.dtype.names if name not in ("time", "step"))
 
 
 def compared_series(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:

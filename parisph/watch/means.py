@@ -72,7 +72,7 @@ class Means:
 
         ended : whether there is no further step: then all of the line is known
         """
-        return _between([*self._line, *(self._last() if ended else ())], time), _between(self._acted, time)
+        return between([*self._line, *(self._last() if ended else ())], time), between(self._acted, time)
 
     def state(self) -> dict[str, Any]:
         """Return what a checkpoint needs."""
@@ -88,7 +88,7 @@ class Means:
         found._knots = list(state["knots"])
         return found
 
-    def _mean(self, before, knot, behind):
+    def _mean(self, before: float, knot: float, behind: float) -> Floats:
         """Return the mean (n,) at a knot between two others."""
         found = np.zeros_like(self._line[-1][1])
         for start, end, values in self._steps:
@@ -97,28 +97,28 @@ class Means:
                 found += weight * values
         return found / (0.5 * (behind - before))
 
-    def _last(self):
+    def _last(self) -> list[Point]:
         """Return the points of the line behind the known ones, if the last step was the last of all."""
-        last, found = self._acted[-1], []
+        last, found = self._acted[-1], list[Point]()
         if len(self._knots) == 2 and last[0] > self._knots[1]:
-            found = [(self._knots[1], self._mean(*self._knots, last[0]))]
+            found = [(self._knots[1], self._mean(self._knots[0], self._knots[1], last[0]))]
         return [*found, last] if last[0] > self._line[-1][0] else found
 
-    def _forget(self):
+    def _forget(self) -> None:
         """Forget steps before the last known knot, and what acted before the known part of the line."""
         self._steps = [step for step in self._steps if step[1] > self._knots[0]]
         while len(self._acted) > 1 and self._acted[1][0] <= self._line[0][0]:
             self._acted.pop(0)
 
 
-def _hat(time, before, knot, behind):
+def _hat(time: float, before: float, knot: float, behind: float) -> float:
     """Return the integral up to a time of the hat function of a knot between two others [s]."""
     if time <= knot:
         return 0.5 * max(time - before, 0.0) ** 2 / (knot - before)
     return 0.5 * (behind - before) - 0.5 * max(behind - time, 0.0) ** 2 / (behind - knot)
 
 
-def _between(points, time):
+def between(points: Sequence[Point], time: float) -> Floats:
     """Return the values at a time on the line through points, those of the end points outside.
 
     If either of two values is nan, the nearer one is taken.

@@ -1,15 +1,18 @@
 """Water that passes lines, counted particle by particle in every step (2D)."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-from mpi4py import MPI
 
 from parisph.base.arrays import Floats
+from parisph.base.communicator import Communicator
 from parisph.base.fields import FLUID
-from parisph.case.probes import Flux, singles
+from parisph.case.probes import Probe, singles
 from parisph.case.schema import Case
-from parisph.parallel.particles import Particles
+
+if TYPE_CHECKING:    # a case is described without MPI and numba
+    from parisph.parallel.particles import Particles
 
 
 class Passages:
@@ -20,23 +23,18 @@ class Passages:
 
     Parameters
     ----------
-    probes : their descriptions
-    comm : mpi4py communicator
+    case : whose probes with a `line` count, those in arrays too
+    comm : communicator
     state : of an earlier part of the run (`state`)
     """
 
-    def __init__(self, probes: Iterable[Flux], comm: MPI.Comm, state: Mapping[str, float] | None = None) -> None:
-        self._lines = {_key(probe): np.array([probe.start, probe.end], float) for probe in probes}
+    def __init__(self, case: Case, comm: Communicator, state: Mapping[str, float] | None = None) -> None:
+        self._lines = {_key(probe): np.array(probe.line, float) for _, probe in singles(case.probes) if probe.line}
         self._comm = comm
         before = state if state and comm.rank == 0 else {}
         self._counted = {key: float(before.get(key, 0.0)) for key in self._lines}
 
-    @classmethod
-    def of(cls, case: Case, comm: MPI.Comm, state: Mapping[str, float] | None = None) -> "Passages":
-        """Return the Passages of a case's probes, those in arrays too. Not collective."""
-        return cls([probe for _, probe in singles(case.probes) if isinstance(probe, Flux)], comm, state)
-
-    def look(self, particles: Particles) -> None:
+    def look(self, particles: "Particles") -> None:
         """Count what has passed in the last step. Not collective."""
         if not self._lines:
             return
@@ -46,7 +44,7 @@ class Passages:
         for key, line in self._lines.items():
             self._counted[key] += passed(line, before, after, volume)
 
-    def mine(self, probe: Flux) -> float:
+    def mine(self, probe: Probe) -> float:
         """Return what this rank has counted at a line [m2]; the sum over the ranks has passed. Not collective."""
         return self._counted[_key(probe)]
 
@@ -55,8 +53,8 @@ class Passages:
         return {key: float(self._comm.allreduce(counted)) for key, counted in self._counted.items()}
 
 
-def _key(probe: Flux) -> str:
-    return f"{probe.start} to {probe.end}"
+def _key(probe: Probe) -> str:
+    return " to ".join(map(str, probe.line or ()))
 
 
 def passed(line: Floats, before: Floats, after: Floats, volume: Floats) -> float:

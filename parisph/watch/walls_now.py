@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.motion import AtRest, Motion, Translation
 from parisph.geometry.columns import beds, crossings
 from parisph.geometry.mesh import WallMesh, motions_of
@@ -22,7 +23,8 @@ class WallsNow:
     def __init__(self, mesh: WallMesh, walls: Sequence[Wall]) -> None:
         self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
         self._motions = motions
-        self._known: tuple[float, np.ndarray] = (0.0, mesh.corners())
+        self._known: tuple[float, Floats] = (0.0, mesh.corners())
+        self._floors: dict[float, Floats] = {}    # at the same time, by places
         moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
         self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
 
@@ -31,25 +33,30 @@ class WallsNow:
         """Whether any wall moves."""
         return bool(self._moving)
 
-    def corners(self, time: float) -> np.ndarray:
+    def corners(self, time: float) -> Floats:
         """Return the corners (M, 2, 2) [m] of the elements at a time [s]."""
         if self.moving and time != self._known[0]:    # every gauge asks for them
             x = self.mesh.x0.copy()
             for motion, own in self._moving:
                 x[own] = motion.placed(x[own], time)
-            self._known = (time, self.mesh.corners(x))
+            self._known, self._floors = (time, self.mesh.corners(x)), {}
         return self._known[1]
 
-    def bed(self, x: np.ndarray, time: float) -> np.ndarray:
+    def bed(self, x: Floats, time: float) -> Floats:
         """Return the height (n,) [m] of the highest wall with fluid above it at x (n,), as `columns.beds`."""
         return beds(self.corners(time), x, np.inf)
 
-    def floors(self, at: float, time: float) -> np.ndarray:
+    def floors(self, at: float, time: float) -> Floats:
         """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m].
 
         Where there is none, as beyond the end of a bed, it is the lowest place of the walls.
         """
         corners = self.corners(time)
+        if at not in self._floors:
+            self._floors[at] = self._found_floors(corners, at)
+        return self._floors[at]
+
+    def _found_floors(self, corners: Floats, at: float) -> Floats:
         up, aside = corners[corners[:, 0, 0] < corners[:, 1, 0]], BESIDE * self._width
         for place in (at, at - aside, at + aside):
             found = crossings(up[:, 0], up[:, 1], np.array([place]))[1]
@@ -58,7 +65,7 @@ class WallsNow:
         return np.array([corners[:, :, 1].min()])
 
     @cached_property
-    def _width(self):
+    def _width(self) -> float:
         return float(np.ptp(self.mesh.x0[:, 0]))
 
     def number(self, name: str) -> int:

@@ -77,9 +77,12 @@ def test_script_runs_as_printed(first):
         assert (first / folder / "summary.json").exists()
 
 
-def test_part_is_registered_as_printed():
-    script = one(PYTHON, "parts.SOURCES.register") + "assert parts.SOURCES['weaker'].target\n"
-    done = run([sys.executable, "-c", script], timeout=200)
+@pytest.mark.parametrize("word, check", [
+    ("parts.SOURCES.register", "assert parts.SOURCES['weaker'].target"),
+    ("EnergyLeft", "from parisph.case.probes import class_of; assert class_of('energy_left') is EnergyLeft"),
+])
+def test_part_is_registered_as_printed(word, check):
+    done = run([sys.executable, "-c", f"{one(PYTHON, word)}\n{check}"], timeout=200)
     assert done.returncode == 0, done.stderr
 
 

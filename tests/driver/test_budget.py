@@ -25,7 +25,8 @@ def steps_of(case):
     sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
 
     def energy():
-        return sampler.sample(simulation.particles, simulation.domain, simulation.time)[2]
+        found = instruments.sample_all([sampler], simulation.particles, simulation.domain, simulation.time)
+        return found["energy"][2]
 
     before = energy()
     while not simulation.finished():

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from parisph.case.schema import Box, Case, Fluid, Numerics, Polygon, SurfaceGauge, Tank
+from parisph import Box, Case, Fluid, Numerics, Polygon, SurfaceGauge, Tank
 from parisph.watch import instruments
 from tests.hard import flow
 from tests.hard.flow import Bench, Measured, nearest

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
+from parisph import Case, Energy, Volume
 from parisph.base.fields import BALLISTIC, FLUID
-from parisph.case.schema import Case, Energy, Volume
 from parisph.driver import Simulation
 from parisph.kernels.cells import neighbour_lists
 from parisph.watch import instruments

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph import Case, Energy, SurfaceGauge
 from parisph.base.errors import ParisphError
-from parisph.case.schema import Case, Energy, SurfaceGauge
 from parisph.watch import instruments
 from tests.hard.flow import Bench, nearest
 from tests.hard.table import ENDED, Line

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError
-from parisph.base.fields import FLUID, SURFACE, WALL
-from parisph.case.schema import (
+from parisph import (
     ColumnHeight,
     Disc,
     Energy,
@@ -26,6 +24,8 @@ from parisph.case.schema import (
     Volume,
     WaterFront,
 )
+from parisph.base.errors import CaseError
+from parisph.base.fields import FLUID, SURFACE, WALL
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.particles import Particles
 from parisph.watch import instruments

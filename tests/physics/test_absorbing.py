@@ -66,7 +66,8 @@ def test_the_budget_knows_what_zones_take_and_give(simulated):
     sampler, = instruments.build(case, simulation.comm)
 
     def energy():
-        return sampler.sample(simulation.particles, simulation.domain, simulation.time)[2]
+        found = instruments.sample_all([sampler], simulation.particles, simulation.domain, simulation.time)
+        return found["energy"][2]
 
     first, total, pressure, zones = energy(), 0.0, 0.0, 0.0
     while not simulation.finished():

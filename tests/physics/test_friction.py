@@ -42,7 +42,8 @@ def test_the_budget_knows_what_friction_takes(simulated):
     sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
 
     def energy():
-        return sampler.sample(simulation.particles, simulation.domain, simulation.time)[2]
+        found = instruments.sample_all([sampler], simulation.particles, simulation.domain, simulation.time)
+        return found["energy"][2]
 
     before, taken = energy(), []
     while not simulation.finished():

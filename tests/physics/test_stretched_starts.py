@@ -4,19 +4,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import Box, Case, Energy, Fluid, Numerics, SolitaryWave, StandingWave, StillWater, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, INNER, SURFACE
-from parisph.case.schema import (
-    Box,
-    Case,
-    Energy,
-    Fluid,
-    Numerics,
-    SolitaryWave,
-    StandingWave,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-)
 from parisph.case.waves import angular_frequency
 from parisph.driver import run
 from parisph.io import reader

@@ -219,7 +219,7 @@ def test_parts(make, message):
     ({"probes": [ColumnHeight("a", -0.1)]}, "probe 'a': at = -0.1 must lie in the tank"),
     ({"probes": Energy("a")}, r"Case.probes: must be a list; write probes=\[Energy\(...\)\]"),
     ({"probes": [{"kind": "thermometer", "name": "a"}]},
-     r"Case.probes\[0\] = .*: must be of a known kind: 'surface_gauge'"),
+     r"Case.probes\[0\] = .*: must be of a known kind: 'column_height', "),
     ({"probes": [{"kind": "energy", "name": "a", "at": 1}]}, "Energy has no field 'at'"),
     ({"fluid": {"shape": {**BOX, "width": -1.0}, "density": 1.0}},
      "Case.fluid.shape.width = -1.0: must be greater than 0"),

@@ -15,7 +15,8 @@ import parisph
 from parisph.case import bodies, motion, schema
 from parisph.case.model import Model
 
-CLASSES = {name: value for name in schema.__all__ if isinstance(value := getattr(schema, name), type)}
+OFFERED = {name: getattr(schema, name, None) or getattr(parisph, name) for name in {*schema.__all__, *parisph.__all__}}
+CLASSES = {name: value for name, value in OFFERED.items() if isinstance(value, type) and issubclass(value, Model)}
 CLASSES |= {value.__name__: value for value in (bodies.Profile, bodies.Obstacle, bodies.Plate, bodies.StillWater,
                                                motion.PistonStroke, motion.FlapStroke)}
 
@@ -59,7 +60,7 @@ def test_a_wrong_example_is_found():
     assert "Expected" in failures(examples(Wrong))
 
 
-@pytest.mark.parametrize("name", [name for name, kind in CLASSES.items() if issubclass(kind, Model)])
+@pytest.mark.parametrize("name", sorted(name for name, kind in CLASSES.items() if issubclass(kind, Model)))
 def test_a_record_has_the_signature_of_its_fields_and_help_of_its_own(name):
     kind = CLASSES[name]
     fields = {key: field for key, field in kind.model_fields.items() if key != "kind"}

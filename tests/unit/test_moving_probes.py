@@ -115,8 +115,8 @@ def test_the_line_of_a_run_up_moves_with_its_body(walls, probe, place):
 def test_the_side_of_a_tank_that_turns_is_a_line_that_turns():
     roll = Roll(angle=0.1, frequency=np.pi, centre=(0.0, 0.0))
     watch = Watch(scene(Tank(2.0, 1.0, motion=roll), [RunUp("up", side="left")]), MPI.COMM_SELF)
-    (line,) = watch.samplers
-    line.place(0.5)
+    line = watch.samplers[0].measure
+    watch.sample(0.5)
     angle = roll.law(0.5)[0]
     assert line.points[-1] == pytest.approx((-np.sin(angle), np.cos(angle)), abs=1e-9)
     watch.destroy()

@@ -1,16 +1,12 @@
 """Probes on particles whose answers are known exactly."""
 
-import typing
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case import probes as descriptions
-from parisph.case.schema import (
+from parisph import (
     Box,
     ColumnHeight,
     Disc,
@@ -28,9 +24,13 @@ from parisph.case.schema import (
     Volume,
     WaterFront,
 )
+from parisph.base.errors import CaseError
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.case import probes as descriptions
 from parisph.watch import instruments
-from parisph.watch.elevation import bodies, surface_height
-from parisph.watch.sampling import Scene
+from parisph.watch.gauges import bodies
+from parisph.watch.probes.surface_gauge import surface_height
+from parisph.watch.sampling import Sampler, Scene
 from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S = 0.05
@@ -201,9 +201,9 @@ def test_the_front_without_a_tank_is_that_of_all_the_fluid():
 
 
 def test_the_main_body_is_that_of_most_particles_not_of_most_ranks():
-    (front,) = instruments.build(scene([WaterFront(name="f")]), MPI.COMM_SELF)
+    view = SimpleNamespace(scene=SimpleNamespace(spacing=S))
     rows = np.array([[1.0, 0.05, 0.5, 20.0], [1.0, 0.8, 0.82, 2.0], [1.0, 0.85, 0.9, 3.0]])  # of three ranks
-    assert front.values((), rows) == (0.5,)
+    assert WaterFront(name="f").values((), rows, view) == (0.5,)
 
 
 def test_bodies_of_parts_are_the_bodies_of_the_whole():
@@ -349,9 +349,13 @@ def test_energy_by_current_volumes_converges_on_a_disordered_wave():
     assert np.log2(errors[0] / errors[2]) / 2 > 1.7, errors
 
 
+def cube():
+    return Scene(3, S, np.full(3, S), DENSITY, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
+
+
 def test_current_volumes_are_refused_in_3d():
     with pytest.raises(CaseError, match="'e': current volumes exist in 2D only"):
-        instruments.SAMPLERS["energy"](Energy(name="e", current=True), SimpleNamespace(dim=3))
+        Sampler(Energy(name="e", current=True), cube())
 
 
 # -- volume -------------------------------------------------------------------------------
@@ -473,8 +477,7 @@ ALL = [SurfaceGauge(name="gauge", at=0.42), PressureTap(name="tap", at=(0.0, 0.2
 
 
 def test_every_probe_that_a_case_can_have_can_be_sampled():
-    kinds = {kind.model_fields["kind"].default for kind in typing.get_args(typing.get_args(descriptions.AnyProbe)[0])}
-    assert kinds == set(instruments.SAMPLERS) == {probe.kind for probe in ALL}
+    assert {*descriptions.ours(), "probe_array"} == {probe.kind for probe in ALL}
 
 
 def test_together_they_give_what_each_gives_alone():
@@ -482,7 +485,8 @@ def test_together_they_give_what_each_gives_alone():
     together = watch.sample()
     assert list(together) == [probe.name for probe in ALL]
     for sampler in watch.samplers:
-        assert sampler.sample(watch.particles, watch.domain, 0.0) == together[sampler.name]
+        assert instruments.sample_all([sampler], watch.particles, watch.domain, 0.0) == {
+            sampler.name: together[sampler.name]}
         assert len(together[sampler.name]) == len(sampler.columns) and sampler.title
         assert all(type(number) is float and np.isfinite(number) for number in together[sampler.name])
     assert instruments.sample_all([], watch.particles, watch.domain, 0.0) == {}
@@ -499,15 +503,14 @@ def test_a_run_that_breaks_down_is_still_sampled(share):
 
 
 def test_in_three_dimensions_what_has_no_meaning_is_refused():
-    cube = Scene(3, S, np.full(3, S), DENSITY, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
     for probe in (Volume(name="v"), SurfaceGauge(name="g", at=0.0)):
         with pytest.raises(CaseError, match=f"'{probe.name}': {probe.kind} exists in 2D only.*in 3D"):
-            instruments.SAMPLERS[probe.kind](probe, cube)
+            Sampler(probe, cube())
     mid = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.25]])
     p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid,
                         u=np.ones((2, 3)), volume=np.full(2, S**3))
-    energy, momentum = (instruments.SAMPLERS[probe.kind](probe, cube)
-                        for probe in (Energy(name="e"), Momentum(name="m")))
-    assert energy.sample(p, None, 0.0) == pytest.approx(DENSITY * S**3 * np.array([3.0, 0.75 * G, 3.0 + 0.75 * G]))
-    assert momentum.sample(p, None, 0.0) == pytest.approx([2 * DENSITY * S**3] * 3)
+    energy, momentum = (Sampler(probe, cube()) for probe in (Energy(name="e"), Momentum(name="m")))
+    found = instruments.sample_all([energy, momentum], p, None, 0.0)
+    assert found["e"] == pytest.approx(DENSITY * S**3 * np.array([3.0, 0.75 * G, 3.0 + 0.75 * G]))
+    assert found["m"] == pytest.approx([2 * DENSITY * S**3] * 3)
     assert energy.columns["total"] == "J" and list(momentum.columns) == ["px", "py", "pz"]

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from parisph import Box, PressureTap, Tank
 from parisph.base.errors import CaseError
 from parisph.case.presets import PRESETS
-from parisph.case.schema import Box, PressureTap, Tank
 from parisph.case.stored import SCHEMA, from_json, to_json
 from tests.scenes import scene
 

@@ -3,19 +3,9 @@
 import numpy as np
 import pytest
 
+from parisph import Energy, Peaks, PressureTap, ProbeArray, Profiles, RunUp, SurfaceGauge, Truth, WaterFront
 from parisph.base.errors import CaseError
 from parisph.case.profiles import height
-from parisph.case.schema import (
-    Energy,
-    Peaks,
-    PressureTap,
-    ProbeArray,
-    Profiles,
-    RunUp,
-    SurfaceGauge,
-    Truth,
-    WaterFront,
-)
 from parisph.case.truths import PeakBand, WaveTruth
 from parisph.case.waves import Airy
 from parisph.truth import verdict

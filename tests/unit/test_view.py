@@ -8,21 +8,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import Box, Case, Disc, Energy, Fluid, Numerics, Obstacle, PressureTap, SurfaceGauge, Tank, Volume
 from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.fields import BALLISTIC, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case.schema import (
-    Box,
-    Case,
-    Disc,
-    Energy,
-    Fluid,
-    Numerics,
-    Obstacle,
-    PressureTap,
-    SurfaceGauge,
-    Tank,
-    Volume,
-)
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from parisph.pictures import curves, movies, overview, style, view

@@ -18,7 +18,7 @@ from parisph import (
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE, WALL
 from parisph.case.stored import from_json, to_json
 from parisph.watch.instruments import build, sample_all
-from parisph.watch.wall_pressure import disc_mean
+from parisph.watch.probes.pressure_tap import disc_mean
 from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S, DEPTH = 0.05, 0.5
@@ -214,7 +214,7 @@ def test_an_array_has_the_columns_of_its_probes_and_their_values():
     assert list(watch.samplers[0].columns) == ["x1", "x2", "c", "u_u", "u_v", "u_p", "p", "load_fx", "load_fy",
                                                "load_moment"]
     assert found["several"] == sum((found[probe.name] for probe in ARRAY.probes), ())
-    assert watch.samplers[0].sample(watch.particles, watch.domain, 0.0) == found["several"]
+    assert sample_all(watch.samplers[:1], watch.particles, watch.domain, 0.0) == {"several": found["several"]}
     assert found["u"][:2] == (pytest.approx(0.55, abs=1e-2), pytest.approx(-0.5, abs=1e-2))
 
 
@@ -228,7 +228,7 @@ def test_an_array_is_stored_and_its_places_are_checked():
 @pytest.mark.parametrize("probes, message", [
     ([SurfaceGauge("a", at=0.1), SurfaceGauge("a", at=0.2)], "the name 'a' is given 2 times"),
     ([SurfaceGauge("a", at=0.1, peak=True)], "'a': a truth, peak=True or every=N is for a probe with a file"),
-    ([ProbeArray("b", [SurfaceGauge("a", at=0.1)])], "ProbeArray.probes"),
+    ([ProbeArray("b", [SurfaceGauge("a", at=0.1)])], "'b' is an array itself"),
 ])
 def test_what_an_array_cannot_hold(probes, message):
     with pytest.raises(CaseError, match=message):

@@ -1,0 +1,35 @@
+"""The height of a column of water."""
+
+from typing import Any, Literal
+
+from parisph.base.arrays import Floats
+from parisph.case.probes import Gauge
+from parisph.watch.gauges import COLUMN_GAP, column_rows, top
+from parisph.watch.sampling import View
+
+
+class ColumnHeight(Gauge):
+    """Height y [m] of the topmost water connected to the bed at x = `at` [m].
+
+    It is that of the topmost particle of the water that stands on the bed within 1.5 spacings. Surface particles of
+    the lattice lie on the surface: nothing is added to their height. Air of more than 2.1 spacings ends the column;
+    above a particle inside the fluid, of 3.35. A dry bed gives the height of the bed.
+
+    Examples
+    --------
+    >>> ColumnHeight("column", at=0.0).at
+    0.0
+    """
+
+    quantity = "column height $y$"
+
+    kind: Literal["column_height"] = "column_height"
+
+    def title(self, scene: Any) -> str:
+        return f"Height of the water column at x = {self.at:g} m"
+
+    def rows(self, view: View) -> Floats:
+        return column_rows(view, self.at, COLUMN_GAP)
+
+    def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
+        return (top(rows, view, self.at, COLUMN_GAP)[0],)

@@ -1,0 +1,254 @@
+"""The force of the pressure on a body, and its moment (2D)."""
+
+from collections.abc import Iterator
+from typing import Any, Literal, Optional
+
+import numpy as np
+from pydantic import Field
+
+from parisph.base.arrays import Flags, Floats, Ints
+from parisph.base.fields import DRY, WALL
+from parisph.base.text import point
+from parisph.case import probe_checks
+from parisph.case.expressions import uniform_field
+from parisph.case.probes import WIDTH, Measure, OfPressure, Point
+from parisph.case.scene import Scene as Described
+from parisph.case.scenery import body_names
+from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.geometry.outline import outline_of
+from parisph.geometry.probe_places import SIDES, Places, on_side
+from parisph.watch.sampling import Scene, View
+from parisph.watch.walls_now import WallsNow
+
+DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
+FOOT = 1.0      # spacings in front of a wavemaker: dry nodes of other walls there are at its foot, not above the water
+LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
+
+
+class Force(OfPressure):
+    """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
+
+    It is the whole pressure, with its hydrostatic part: water at rest presses, too. With `still`, the columns
+    fx_dynamic, fy_dynamic and moment_dynamic come beside it: the same less the force of water at rest up to the height
+    `still`, rho g (still - y) below it and 0 above, on the wall where it is at that time. They are 0 for water at rest.
+
+    Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
+    with method="SPH", the end.
+
+    It is a mean over the steps around, with weights that fall linearly to 0 at the means before and after. These are a
+    step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)), with the
+    largest speed u and the largest one of the body force, the mean acceleration by pressure and the acceleration of
+    walls as a: particles do not resolve what is shorter. The trapezoidal rule over the samples of all steps gives the
+    impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
+    step.
+
+    on : name of the body
+    side : of a tank; None for all of it
+    about : point of the moment [m]
+    still : height y of the still level [m], for the dynamic part
+    acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
+        moment_acted
+
+    Examples
+    --------
+    >>> Force("load", side="right", about=(1.0, 0.0)).side
+    'right'
+    """
+
+    columns = {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}
+    dims = (2,)
+    impacts = ("fx", "fy")
+    quantity, quantities = "force", {"moment": "moment"}
+
+    kind: Literal["force"] = "force"
+    on: str = Field("tank", description="name of the body")
+    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
+    about: Point = (0.0, 0.0)
+    still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
+
+    def title(self, scene: Scene) -> str:
+        if scene.now is not None:
+            what = f"{self.on}{f', {self.side} side' * bool(self.side)}"
+        else:
+            what = f"the {self.side or 'whole'}{' of the' * bool(self.side)} {self.on}"
+        dynamic = "" if self.still is None else f"; dynamic: less that of water at rest up to y = {self.still:g} m"
+        return (f"Force of the pressure on {what}, and its moment about {point(self.about)} m, with the hydrostatic "
+                f"part{dynamic}")
+
+    def columns_in(self, scene: Any) -> dict[str, str]:
+        found = dict(self.columns)
+        return found if self.still is None else found | {f"{name}_dynamic": unit for name, unit in found.items()}
+
+    def at_rest(self, scene: Scene, x: Floats) -> Floats:
+        """Return the pressure (n,) [Pa] at x (n, 2) [m] of water at rest up to the still level; 0 above it."""
+        found: Floats = -scene.density * scene.gravity[-1] * np.maximum((self.still or 0.0) - x[:, -1], 0.0)
+        return found
+
+    def problems(self, case: Described) -> Iterator[str]:
+        yield from probe_checks.components(case, point=self.about)
+        if self.still is not None:
+            force = None if case.turns else uniform_field(case.gravity)
+            if force is None or force[:-1].any() or not force[-1] < 0.0:
+                yield (f"still = {self.still:g}: there is no hydrostatic force where gravity is not constant and "
+                       "straight down; leave it out")
+        missing = list(probe_checks.body(case, self.on))
+        yield from missing
+        if not missing:
+            kind = case.bodies[body_names(case.bodies).index(self.on)].kind
+            if kind != "tank" and self.side is not None:
+                yield f"side = {self.side!r}: only a tank has sides; leave it out"
+            elif self.side == "lid" and not case.lidded:
+                yield "side = 'lid': the tank has none; give it one, or choose another side"
+
+    def misplaced(self, places: Places) -> Iterator[str]:
+        """See Probe: fluid touches the body, and that side of it."""
+        if places.mesh is not None and not len(self.elements(places.mesh)):
+            side = "" if self.side is None else f"the {self.side} side of "
+            yield f"no fluid touches {side}{self.on}; choose another side or body, or leave the probe out"
+
+    def elements(self, mesh: WallMesh) -> Ints:
+        """Return the elements (n, 2) whose pressure it adds up: those of its body, or of one side of it."""
+        return on_side(mesh, [body.name for body in mesh.bodies].index(self.on), self.side)
+
+    def begin(self, scene: Scene) -> Measure:
+        return TankForce(self, scene) if scene.now is None else BodyForce(self, scene, scene.now)
+
+
+class TankForce(Measure):
+    """Force of the pressure on the walls of a tank alone, -sum p n A, and its moment about a point (2D).
+
+    Each wall particle stands for a spacing of wall, and at the ends of a side for half of one: this is the trapezoidal
+    rule, exact for the force by a pressure that is linear between particles. Dry walls have p = 0. Friction is not in
+    it. The dynamic part is found by the same rule from the pressure less that of water at rest.
+    """
+
+    def __init__(self, probe: Force, scene: Scene) -> None:
+        self.probe, self.scene, self.about = probe, scene, np.array(probe.about)
+        self._sides = [side for name, side in SIDES.items()
+                       if (probe.side in (None, name)) and (scene.lid or name != "lid")]
+
+    def sums(self, view: View) -> Floats:
+        x, p = view.walls
+        arm, pressures = x - self.about, [p]
+        if self.probe.still is not None:
+            pressures.append(p - self.probe.at_rest(self.scene, x))
+        found = np.zeros((len(pressures), 3))
+        for area in self._areas(x):
+            for row, pressure in zip(found, pressures):
+                force = -pressure[:, None] * area
+                row += (*force.sum(axis=0), (arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
+        return found.ravel()
+
+    def _areas(self, x: Floats) -> Iterator[Floats]:
+        """Yield the area vectors (n, dim) [m], into the fluid, of wall particles at x (n, dim), for each side."""
+        s = self.scene
+        for axis, inward in self._sides:
+            along = 1 - axis
+            plane = (s.lower if inward > 0.0 else s.upper)[axis]
+            on = np.abs(x[:, axis] - plane) < 0.5 * s.step[axis]
+            steps = np.round(np.minimum(x[:, along] - s.lower[along], s.upper[along] - x[:, along]) / s.step[along])
+            area = np.zeros_like(x)
+            area[on, axis] = inward * s.step[along] * np.clip(steps[on] + 0.5, 0.0, 1.0)
+            yield area
+
+
+class BodyForce(Measure):
+    """As TankForce, for a body of any shape, which may move: its nodes are where they are now.
+
+    On each element the pressure is linear between its nodes, and the integrals are exact. A node on a convex edge has
+    no pressure: there that along the element's side of the edge is continued linearly, or as it is beside a dry node.
+    So it is at the end of a line of elements, as the foot of a wavemaker, which no row belongs to, but not below 0.
+    """
+
+    def __init__(self, probe: Force, scene: Scene, now: WallsNow) -> None:
+        self.probe, self.scene = probe, scene
+        mesh = now.mesh
+        self.about, self._mesh, self._ends = np.array(probe.about), mesh, mesh.ends
+        self._elements = probe.elements(mesh)
+        self._faces = _faces(scene, now, probe.on) if probe.still is not None else []
+        self._bodies = np.unique(mesh.body[[*self._elements.flat, *(node for face in self._faces for node in face)]])
+        # of each end of an element: the node beyond its other end on the same body, or that end itself
+        self._beyond = np.stack([_next(self._elements, end) for end in (0, 1)], axis=1)
+
+    def rows(self, view: View) -> Floats:
+        """Return a row (its number, x, y, pressure) for each wall particle here that may be a node of the body.
+
+        The pressure is that of a node with one, inf at a dry one, nan on a convex edge.
+        """
+        p = view.particles
+        wall = np.flatnonzero(p.kind == WALL)
+        last = p.id[wall].max(initial=-1)
+        wall = wall[np.isin(p.body[wall], self._bodies)]
+        rows = np.empty((len(wall) + 1, WIDTH))
+        rows[0] = LAST, last, 0.0, 0.0
+        rows[1:, 0], rows[1:, 1:3] = p.id[wall], p.x[wall]
+        rows[1:, 3] = np.where(p.edge[wall] == CONVEX, np.nan, np.where(p.role[wall] == DRY, np.inf, p.p[wall]))
+        return rows
+
+    def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
+        nodes, last = rows[rows[:, 0] != LAST], rows[rows[:, 0] == LAST, 1].max()
+        x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
+        number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order
+        x[number], p[number] = nodes[:, 1:3], nodes[:, 3]
+        p[self._ends & np.isposinf(p)] = np.nan
+        found = self._load(x, p)
+        if self.probe.still is None:
+            return found
+        still = self.probe.at_rest(self.scene, x)
+        wet = (still > 0.0) & ~(np.isposinf(p) & self._behind(x))
+        rest = self._load(x, np.where(np.isnan(p), np.nan, np.where(wet, still, np.inf)))
+        return (*found, *np.subtract(found, rest))
+
+    def _behind(self, x: Floats) -> Flags:
+        """Return which nodes x (n, 2) [m] lie behind a wavemaker, on its dry side, or at its foot."""
+        found = np.zeros(len(x), dtype=bool)
+        for start, end in self._faces:
+            way, off = x[end] - x[start], x - x[start]
+            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < FOOT * self.scene.spacing * np.linalg.norm(way)
+        return found
+
+    def _load(self, x: Floats, p: Floats) -> tuple[float, ...]:
+        """Return the force and the moment of pressures p at nodes x: inf at dry ones, nan on convex edges."""
+        ends, pressure = x[self._elements], self._pressures(x, p)
+        area = area_vectors(ends)
+        force = -pressure.mean(axis=1)[:, None] * area
+        # the integral of (x - about) p over an element, whose normal is the same all along
+        (a, b), (p, q) = np.moveaxis(ends - self.about, 1, 0), pressure.T
+        arm = ((2.0 * p + q)[:, None] * a + (p + 2.0 * q)[:, None] * b) / 6.0
+        moment = -(arm[:, 0] * area[:, 1] - arm[:, 1] * area[:, 0]).sum()
+        return (*force.sum(axis=0), moment)
+
+    def _pressures(self, x: Floats, p: Floats) -> Floats:
+        """Return the pressures at both ends of each element (M, 2)."""
+        found = np.empty(self._elements.shape)
+        wet = np.isfinite(p)
+        for end in (0, 1):
+            own, other, beyond = self._elements[:, end], self._elements[:, 1 - end], self._beyond[:, end]
+            length = np.linalg.norm(x[own] - x[other], axis=1)
+            share = length / np.maximum(np.linalg.norm(x[other] - x[beyond], axis=1), np.finfo(float).tiny)
+            there = np.where(wet, p, 0.0)
+            linear = wet[other] & wet[beyond] & (other != beyond)
+            continued = there[other] + np.where(linear, share * (there[other] - there[beyond]), 0.0)
+            continued = np.where(self._ends[own], np.maximum(continued, 0.0), continued)
+            found[:, end] = np.where(np.isnan(p[own]), continued, there[own])
+        return found
+
+
+def _next(elements: Ints, end: int) -> Ints:
+    """Return, for each element, the node beyond its end 1 - `end`; that end itself if there is none."""
+    after = {element[end]: element[1 - end] for element in elements.tolist()}
+    return np.array([after.get(element[1 - end], element[1 - end]) for element in elements.tolist()])
+
+
+def _faces(scene: Scene, now: WallsNow, on: str) -> list[Ints]:
+    """Return the nodes at the first and the last point of the face of each wavemaker but the body `on` itself.
+
+    Fluid is left of the way from one to the other.
+    """
+    mesh, found = now.mesh, []
+    for number, body in enumerate(mesh.bodies):
+        if body.name != on and scene.kinds.get(body.name) in DRY_BEHIND:
+            own = np.unique(mesh.elements[mesh.element_body == number])
+            ends = outline_of(now.walls[number]).points[[0, -1]]
+            found.append(np.array([own[np.argmin(np.linalg.norm(mesh.x0[own] - end, axis=1))] for end in ends]))
+    return found

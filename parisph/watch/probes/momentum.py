@@ -1,0 +1,34 @@
+"""The momentum of the fluid."""
+
+from typing import Literal
+
+from parisph.base.arrays import Floats
+from parisph.case.probes import Probe
+from parisph.watch.sampling import Scene, View
+
+
+class Momentum(Probe):
+    """Momentum of the fluid.
+
+    It is that of all fluid, in the tank's frame [kg/s per metre of width].
+
+    Examples
+    --------
+    >>> Momentum("momentum").name
+    'momentum'
+    """
+
+    columns = {"px": "kg/s", "py": "kg/s"}
+    quantity = "momentum"
+
+    kind: Literal["momentum"] = "momentum"
+
+    def columns_in(self, scene: Scene) -> dict[str, str]:
+        return {f"p{axis}": "kg/s" if scene.dim == 2 else "kg m/s" for axis in "xyz"[:scene.dim]}
+
+    def sums(self, view: View) -> Floats:
+        found: Floats = view.particles.volume @ view.particles.u
+        return found
+
+    def values(self, sums: Floats, rows: Floats, view: View) -> Floats:
+        return view.scene.density * sums

@@ -1,0 +1,290 @@
+"""The pressure on a wall."""
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Literal, Optional
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from parisph.base.arrays import Flags, Floats
+from parisph.base.errors import CaseError
+from parisph.base.text import point
+from parisph.case import probe_checks
+from parisph.case.bodies import Plate
+from parisph.case.probes import WIDTH, Measure, OfPressure
+from parisph.case.scene import Scene as Described
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import WallMesh, area_vectors
+from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.probe_places import Places
+from parisph.watch.sampling import Scene, View
+from parisph.watch.walls_now import WallsNow
+
+RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
+FACING = 1e-6   # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
+TAP = 0.25      # spacings: a tap this near to a wall is on it, as discs have flat elements
+TIE = 1e-6      # spacings: walls nearer to each other than this are at one place
+LIFT = 0.1      # spacings: so far in front of a wall its fluid is looked for
+FACE = 0.5      # spacings: nodes this near to the plane of a tap lie on its face
+DRY = 1e-6      # of the greatest pressure: a tap with no more is dry
+
+
+class PressureTap(OfPressure):
+    """Pressure [Pa] on a wall at the point `at` [m]; on a wall that moves, a point of it at rest, which moves with it.
+
+    It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
+    particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.
+
+    diameter : [m] of a round sensor, over whose disc the pressure is averaged instead: in 2D over a stretch, with
+        the chord of the disc at each place as its weight
+    side : of a Plate, as seen along its points
+    acted : whether the pressure that acts in the step comes beside the mean in time, in the column pressure_acted
+
+    On a body that moves, `at` is where the tap is at t = 0; it moves with the body.
+
+    A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end. It is a
+    mean in time, as of a Force.
+
+    Examples
+    --------
+    >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
+    True
+    >>> PressureTap("P1", at=(3.22, 0.16), diameter=0.09).diameter
+    0.09
+    """
+
+    columns = {"pressure": "Pa"}
+    impacts = ("pressure",)
+    quantity = "pressure $p$"
+
+    kind: Literal["pressure_tap"] = "pressure_tap"
+    at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
+    radius: Optional[float] = Field(
+        None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
+    diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
+
+    @model_validator(mode="after")
+    def _one_face(self) -> "PressureTap":
+        if self.radius is not None and self.diameter is not None:
+            raise ValueError(f"radius = {self.radius:g} and diameter = {self.diameter:g}: give only one of them, a fit "
+                             "over a stretch of wall or the mean over a disc")
+        return self
+
+    def title(self, scene: Any) -> str:
+        disc = "" if self.diameter is None else f", mean over a disc of {self.diameter:g} m"
+        return f"Pressure on the wall at {point(self.at)} m{disc}"
+
+    def problems(self, case: Described) -> Iterator[str]:
+        """See Probe. Whether it lies on a wall of a scene that is not plain is for `misplaced`."""
+        if case.walls is None:
+            yield "a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
+        elif found := list(probe_checks.components(case, at=self.at)):
+            yield from found
+        elif case.plain and case.tank is not None:
+            yield from self._off_tank(*case.tank.bounds, case.tank.closed)
+
+    def _off_tank(self, low: Floats, high: Floats, closed: bool) -> Iterator[str]:
+        """Yield what is wrong with its place in a tank alone, with these corners (dim,) [m]."""
+        if self.side is not None:
+            yield f"side = {self.side!r}: only a plate has two sides; leave it out"
+        at = np.array(self.at)
+        tolerance = 1e-6 * float(np.max(high - low))
+        walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
+        walls[1][-1] &= closed
+        if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
+            which = "left, right, lower or upper" if closed else "left, right or lower"
+            yield (f"at = {self.at} is not on a wall; give a point of the {which} wall of the tank "
+                   f"from {point(low[:2])} to {point(high[:2])}")
+        elif self.diameter is not None:
+            free = ~(walls[0] | walls[1])
+            out = np.minimum(at - low, high - at)[free] < 0.5 * self.diameter - tolerance
+            if np.any(out) or not np.any(free):
+                yield self._beside_a_corner()
+
+    def _beside_a_corner(self) -> str:
+        return (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
+                "move it away from the corner, or give a smaller one")
+
+    def misplaced(self, places: Places) -> Iterator[str]:
+        """See Probe: it is on a wall, on the side of it where fluid comes."""
+        mesh, walls, s = places.mesh, places.walls, places.spacing
+        if mesh is None:
+            return
+        element = tap_element(mesh, walls, self, s)
+        number = mesh.element_body[element]
+        name, wall = mesh.bodies[number].name, walls[number]
+        corners = mesh.corners()[[element]]
+        apart, _, foot = nearest(np.array([self.at]), corners)
+        normal = area_vectors(corners)[0]
+        normal /= np.linalg.norm(normal)
+        before = foot + LIFT * s * normal
+        hidden = [wall.name for wall in walls if not in_fluid([outline_of(wall)], before)[0]]
+        if apart[0] > TAP * s:
+            yield (f"at = {self.at} is not on a wall; the nearest place on one is "
+                   f"({foot[0, 0]:.6g}, {foot[0, 1]:.6g}) on {name}")
+        elif isinstance(wall, Plate) and self.side is None:
+            yield (f'{name} has two sides; give side="left" or side="right", as seen along its points from '
+                   f"{wall.points[0]} to {wall.points[-1]}")
+        elif not isinstance(wall, Plate) and self.side is not None:
+            yield f"side = {self.side!r}: only a plate has two sides, {name} has one; leave it out"
+        elif hidden:
+            yield f"at = {self.at} is behind {hidden[0]}, where no fluid comes; move it"
+        elif self.diameter is not None and not _on_face(mesh, element, foot[0], normal, 0.5 * self.diameter, s):
+            yield self._beside_a_corner()
+
+    def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
+        """See Probe: the water may leave it."""
+        yield from super().touched(values, case, scene)
+        if values[0, 0] > 0.0:
+            yield "emptied", np.abs(values[0]) <= DRY * np.nanmax(np.abs(values[0]))
+
+    def begin(self, scene: Scene) -> "Tap":
+        return Tap(self, scene) if self.diameter is None else Disc(self, scene)
+
+
+class Tap(Measure):
+    """Pressure on a wall, by least squares of a linear pressure on the wall particles within the radius.
+
+    The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts; in a corner, only
+    the particles of both walls.
+    """
+
+    def __init__(self, probe: PressureTap, scene: Scene) -> None:
+        self.probe, self.scene, self.at = probe, scene, np.array(probe.at)
+        self.radius = max(scene.spacing, probe.radius or RADIUS * scene.spacing)
+        tolerance = 1e-6 * np.max(scene.upper - scene.lower)
+        self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
+        self.axes = np.eye(scene.dim)    # the first across the wall
+        self._start: tuple[Floats, Floats] | None = None
+        if scene.now is not None:
+            self._begin(scene.now)
+
+    def _begin(self, now: WallsNow) -> None:
+        """Find the wall of the tap as it is at t = 0: then it and its nodes move with its body."""
+        element = tap_element(now.mesh, now.walls, self.probe, self.scene.spacing)
+        normal = area_vectors(now.mesh.corners()[[element]])[0]
+        normal /= np.linalg.norm(normal)
+        self.axes = np.array([normal, [-normal[1], normal[0]]])
+        self.across = np.arange(2) == 0
+        motions = np.array([body.motion for body in now.mesh.bodies])
+        number = now.mesh.element_body[element]
+        self._alike = np.flatnonzero(motions == motions[number])    # bodies that move as that of the tap does
+        self._motion, self._start = now.motion_of(number), (self.at, self.axes)
+
+    def _nodes(self, view: View) -> tuple[Floats, Floats]:
+        """Return positions (n, dim) [m] and pressures (n,) [Pa] of wall particles that may be of the wall of the tap.
+
+        The tap is put to where it is now. Where walls have elements, these face as the tap does, not as the other side
+        of a plate, and move with it.
+        """
+        x, p = view.walls
+        if self._start is None:
+            return x, p
+        at, axes = self._start
+        self.at, self.axes = self._motion.placed(at[None], view.time)[0], self._motion.turned(axes, view.time)
+        normal, body = view.wall_faces
+        own = (normal @ self.axes[0] > FACING) & np.isin(body, self._alike)
+        return x[own], p[own]
+
+    def sums(self, view: View) -> Floats:
+        from parisph.kernels.tap import tap_moments
+
+        x, p = self._nodes(view)    # before `at` is read
+        found: Floats = tap_moments(x, p, self.at, self.axes, self.across, 0.5 * self.scene.step, self.radius)
+        return found
+
+    def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
+        from parisph.kernels.tap import fitted_at_tap
+
+        return (fitted_at_tap(sums, 1 + np.count_nonzero(~self.across)),)
+
+
+class Disc(Tap):
+    """Mean of the pressure over the disc of a sensor, whose chords weight the places along the wall (2D).
+
+    Between wall particles the pressure is linear; the integral is exact.
+    """
+
+    def __init__(self, probe: PressureTap, scene: Scene) -> None:
+        super().__init__(probe, scene)
+        if scene.dim != 2:
+            raise CaseError(f"probe {probe.name!r}: the disc of a sensor exists in 2D only; leave out diameter")
+        self.radius = 0.5 * (probe.diameter or 0.0)
+
+    def sums(self, view: View) -> Floats:
+        return np.empty(0)
+
+    def rows(self, view: View) -> Floats:
+        x, p = self._nodes(view)
+        d = (x - self.at) @ self.axes.T
+        near = (np.abs(d) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
+        near &= (np.abs(d) < self.radius + 1.5 * self.scene.step)[:, ~self.across].all(axis=1)
+        rows = np.zeros((np.count_nonzero(near), WIDTH))
+        rows[:, 1], rows[:, 2] = d[near][:, ~self.across][:, 0], p[near]
+        return rows
+
+    def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
+        return (disc_mean(rows[:, 1], rows[:, 2], self.radius),)
+
+
+def tap_element(mesh: WallMesh, walls: Sequence[Wall], probe: PressureTap, spacing: float) -> int:
+    """Return the number of the element that a tap is on, as at t = 0.
+
+    At a plate it is one of the given side; where a wall that moves stands at another, it is one of the first.
+    """
+    at, corners, allowed = np.array([probe.at]), mesh.corners(), np.ones(len(mesh.elements), dtype=bool)
+    for number, wall in enumerate(walls):
+        if isinstance(wall, Plate) and probe.side is not None:
+            own = np.flatnonzero(mesh.element_body == number)
+            allowed[own] = _on_left(corners[own], np.array(wall.points)) == (probe.side == "left")
+    allowed = np.flatnonzero(allowed)
+    moving = allowed[np.array([body.motion > 0 for body in mesh.bodies])[mesh.element_body[allowed]]]
+    apart, element, _ = nearest(at, corners[allowed])
+    first, moves, _ = nearest(at, corners[moving], within=apart[0] + TIE * spacing)
+    return int(moving[moves[0]] if np.isfinite(first[0]) else allowed[element[0]])
+
+
+def _on_left(corners: Floats, points: Floats) -> Flags:
+    """Return which elements (M, 2, 2) of a plate are those of its left side, as seen along its points, (M,) bool."""
+    piece = nearest(corners.mean(axis=1), np.stack([points[:-1], points[1:]], axis=1))[1]
+    along = np.diff(points, axis=0)[piece]
+    found: Flags = np.sum((corners[:, 1] - corners[:, 0]) * along, axis=1) > 0.0
+    return found
+
+
+def _on_face(mesh: WallMesh, element: int, at: Floats, normal: Floats, radius: float, spacing: float) -> bool:
+    """Return whether the wall is as good as flat as far as the radius [m] to both sides of a place on it."""
+    corners, along = mesh.corners() - at, np.array([-normal[1], normal[0]])
+    motion = np.array([body.motion for body in mesh.bodies])[mesh.element_body]
+    own = (np.abs(corners @ normal) < FACE * spacing).all(axis=1) & (area_vectors(corners) @ normal > 0.0)
+    ends = np.sort((corners @ along)[own & (motion == motion[element])], axis=1)
+    low = high = 0.0
+    for _ in range(len(ends)):    # as far as elements join on
+        joined = (ends[:, 0] <= high + TIE * spacing) & (ends[:, 1] >= low - TIE * spacing)
+        if not joined.any() or (ends[joined, 0].min() >= low and ends[joined, 1].max() <= high):
+            break
+        low, high = min(low, ends[joined, 0].min()), max(high, ends[joined, 1].max())
+    return bool(min(high, -low) >= radius - TIE * spacing)
+
+
+def disc_mean(z: Floats, p: Floats, radius: float) -> float:
+    """Return the mean of a piecewise linear p over a disc, 2 integral p sqrt(radius^2 - z^2) dz / (pi radius^2).
+
+    z, p : (n,) places along a line from the centre [m], in any order, and values there. Where they do not reach, the
+    disc does not count; nan if it does nowhere.
+    """
+    order = np.argsort(z)
+    z, p = z[order], p[order]
+    apart = np.diff(z) > 0.0
+    low, high = (np.clip(end, -radius, radius) for end in (z[:-1][apart], z[1:][apart]))
+    slope = np.diff(p)[apart] / np.diff(z)[apart]
+    zero, first = (_chords(high, radius)[k] - _chords(low, radius)[k] for k in (0, 1))
+    total = zero.sum()
+    return float(((p[:-1][apart] - slope * z[:-1][apart]) @ zero + slope @ first) / total) if total > 0.0 else np.nan
+
+
+def _chords(z: Floats, radius: float) -> tuple[Floats, Floats]:
+    """Antiderivatives of sqrt(radius^2 - z^2) and of z times that."""
+    half = np.sqrt(np.maximum(radius**2 - z**2, 0.0))
+    return 0.5 * (z * half + radius**2 * np.arcsin(np.clip(z / radius, -1.0, 1.0))), -(half**3) / 3.0

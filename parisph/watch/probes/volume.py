@@ -1,0 +1,46 @@
+"""The volume of the fluid, by its cells."""
+
+from typing import Literal
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.case.probes import Probe
+from parisph.watch.sampling import View
+
+INSIDE = 2.1    # spacings: cells inside the fluid are farther from the surface
+
+
+class Volume(Probe):
+    """Mean Voronoi cell inside the fluid over the square of the spacing.
+
+    It is relative [-], with the number of cells that were averaged: 1 on a lattice of the spacing. Scenes with a fluid
+    of another shape may start with other cells. Inside means: inner particles farther than 2.1 spacings from every
+    surface and ballistic particle; nan if there are none.
+
+    Examples
+    --------
+    >>> Volume("volume", every=10).every
+    10
+    """
+
+    columns = {"cell": "", "count": "particles"}
+    dims = (2,)
+    quantity, quantities = "mean cell inside the fluid $/\\,s^2$", {"count": "cells counted"}
+
+    kind: Literal["volume"] = "volume"
+
+    def ghosts(self) -> tuple[str, ...]:
+        return ("x",)
+
+    def sums(self, view: View) -> Floats:
+        from parisph.kernels.interior import interior_cells
+        from parisph.kernels.records import cloud_of
+
+        p, d, s = view.particles, view.domain, view.scene.spacing
+        cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
+        found: Floats = interior_cells(cloud, INSIDE * s, d.radius)
+        return found
+
+    def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
+        return (sums[0] / (sums[1] * view.scene.spacing**2) if sums[1] else np.nan), sums[1]
