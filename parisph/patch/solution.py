@@ -29,7 +29,7 @@ def solution(system: Discrete, f: Floats, laplacian: Floats, gradient: Floats | 
     # the solver's p is zero where it is known: f goes to the other side
     right = system.rows.right_hand_side(target) + system.weighted(np.where(known, f, 0.0))
     right[(a.role != INNER) & (a.role != WET)] = 0.0
-    indptr, columns, values, _ = system.rows.csr(a.role, np.arange(n, dtype=np.int32))
+    indptr, columns, values, _ = system.rows.csr(np.arange(n, dtype=np.int32))
     solver = PressureSolver(MPI.COMM_SELF, rtol=RTOL, closed=not known.any())
     try:
         p, _ = solver.solve(indptr, columns, values, right, None)

@@ -36,9 +36,11 @@ class Volume(Probe):
 
     def sums(self, view: View) -> Floats:
         from parisph.kernels.interior import interior_cells
+        from parisph.kernels.records import cloud_of
 
-        p, d = view.particles, view.domain
-        found: Floats = interior_cells(p.x_all, p.role_all, INSIDE * view.scene.spacing, d.radius, d.indptr, d.indices)
+        p, d, s = view.particles, view.domain, view.scene.spacing
+        cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
+        found: Floats = interior_cells(cloud, INSIDE * s, d.radius)
         return found
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
