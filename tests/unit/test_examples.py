@@ -60,7 +60,7 @@ def test_a_wrong_example_is_found():
     assert "Expected" in failures(examples(Wrong))
 
 
-@pytest.mark.parametrize("name", [name for name, kind in CLASSES.items() if issubclass(kind, Model)])
+@pytest.mark.parametrize("name", sorted(name for name, kind in CLASSES.items() if issubclass(kind, Model)))
 def test_a_record_has_the_signature_of_its_fields_and_help_of_its_own(name):
     kind = CLASSES[name]
     fields = {key: field for key, field in kind.model_fields.items() if key != "kind"}
