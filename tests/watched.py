@@ -60,6 +60,6 @@ def only(found):
 def add_fluid(arrays, x, role):
     """Add fluid particles at x (n, 2) to the arrays of one rank."""
     n = len(x)
-    more = {"id": 10**6 + np.arange(n), "x": np.asarray(x, float), "role": np.full(n, role, np.int8)}
+    more = {"id": -1 - np.arange(n), "x": np.asarray(x, float), "role": np.full(n, role, np.int8)}
     for name, values in arrays.items():
         arrays[name] = np.concatenate([values, more.get(name, np.zeros((n, *values.shape[1:]), values.dtype))])

@@ -74,9 +74,8 @@ def fill(case: Case, flow: Flow) -> None:
     if not even:
         filling.pack(flow)
     if not build.weighed(case):
-        near = p.x[p.kind == FLUID] if (p.kind == FLUID).any() else np.zeros((1, p.dim))
-        reach = d.radius + s
-        filling.weigh(flow, build.samples(case, near.min(axis=0) - reach, near.max(axis=0) + reach))
+        own, reach = p.x[p.kind == FLUID], d.radius + s
+        filling.weigh(flow, build.samples(case, own.min(axis=0) - reach, own.max(axis=0) + reach) if len(own) else ())
     if not even:
         filling.weigh_cells(flow)
     filling.halve(flow)

@@ -310,7 +310,7 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
     return {
-        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh, walls)[nodes],
+        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
         "role": _roles(case, walls, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
         "p": np.zeros(n), "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes],
         "no_slip": no_slip, "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
@@ -318,14 +318,9 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 
-def _in_corner(mesh, walls):
-    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8.
-
-    The rim of an open tank is no corner.
-    """
-    tanks = [number for number, wall in enumerate(walls) if isinstance(wall, Tank)]
-    ends = mesh.ends & (mesh.dim == 2) & ~np.isin(mesh.body, tanks)
-    return ((mesh.edge == CONCAVE) | ends).astype(np.int8)
+def _in_corner(mesh):
+    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8."""
+    return ((mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))).astype(np.int8)
 
 
 def _roles(case, walls, x, normal, edge):

@@ -169,14 +169,14 @@ def block_mesh(lattice: Lattice) -> WallMesh:
     index, inward = lattice.wall_indices()
     dim, top, step = index.shape[1], lattice.top, lattice.step
     planes = np.abs(inward).sum(axis=1)
-    number = np.full(top + 1, -1, dtype=np.int64)
-    number[tuple(index.T)] = np.arange(len(index))
+    order = np.ravel_multi_index(tuple(index.T), tuple(top + 1))    # ascending
     faces, elements = [], []
     for axis in range(dim):
         for sign in (1, -1):
             there = index[inward[:, axis] == sign]
             if len(there):
-                corners = number[tuple(np.moveaxis(_cells(there, axis, top), -1, 0))]
+                cells = np.moveaxis(_cells(there, axis, top), -1, 0)
+                corners = np.searchsorted(order, np.ravel_multi_index(tuple(cells), tuple(top + 1)))
                 faces.append((corners, np.eye(dim)[axis] * sign * np.delete(step, axis).prod()))
                 elements.append(_simplices(corners, axis, sign))
     vectors, area = np.zeros((len(index), dim)), np.zeros(len(index))

@@ -63,7 +63,7 @@ def on_side(mesh: WallMesh, number: int, side: str | None) -> Ints:
 
 
 def faults(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
-    """Yield the probes of a scene that is not plain that are not on a wall, or where no fluid comes."""
+    """Yield the probes of a scene that are not on a wall, or where no fluid comes."""
     places = Places(case, walls)
     for name, probe in singles(case.probes):
         yield from (f"probe {name!r}: {line}" for line in probe.misplaced(places))

@@ -177,7 +177,7 @@ def _few(case: Case) -> Iterator[str]:
 
 def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
-    if case.closed or not _at_lid(case):
+    if case.closed or case.lone_tank is not None or not _at_lid(case):
         return
     tank, s = case.tank, case.numerics.spacing
     top, width = float(tank.bounds[1][1]), tank.width
@@ -196,7 +196,7 @@ def _airless(case: Case) -> Iterator[str]:
     """Fluid without a surface, in a scene that is not known to be full."""
     if not case.closed and _at_lid(case) and not has_surface(case):
         yield ("no fluid particle is on a free surface, so that p = 0 is set only at the highest one; leave a spacing "
-               "of air below the lid, or fill the tank")
+               "of air below the lid, or fill the tank with StillWater")
 
 
 def _advice(case: Case) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The walls of a scene that is not plain as probes see them: where they are at a time (2D)."""
+"""The walls of a scene as probes see them: where they are at a time (2D)."""
 
 from collections.abc import Sequence
 from functools import cached_property

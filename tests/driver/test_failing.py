@@ -162,7 +162,7 @@ def test_failed_run_goes_on_from_its_last_checkpoint(folder, capfd):
     (["run", "nowhere.py"], "no such case file"),
     (["run", "wild.py", "--set", "method=ISPH_Q"], "ISPH_R"),
     (["run", "wild.py", "--set", "preset=wild"], "violent"),
-    (["run", "wild.py", "--set", "spacing=0.0301"], "spacing"),
+    (["run", "wild.py", "--set", "spacing=-0.03"], "spacing"),
     (["run", "wild.py", "--set", "depth=2"], "no parameter 'depth'"),
     (["run", "wild.py", "--set", "time_step=10"], "time_step"),
     (["run", "wild.py", "--set", "gravity=import os"], "import os"),

@@ -83,7 +83,7 @@ def test_water_flows_over_the_rim(simulated):
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
     case = Case(title="weir", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
                 walls=Tank(width=1.0, height=0.5),
-                gravity=(2.0, -9.6), numerics=Numerics(spacing=0.05), end_time=1.5)
+                gravity=(2.0, -9.6), numerics=Numerics(spacing=0.025), end_time=1.5)
     s = simulated(case)
     p = s.particles
     volume = p.volume.sum()

@@ -53,7 +53,7 @@ def _said(walls, fluids, spacing):
                     end_time=1.0, numerics=Numerics(spacing=spacing))
     except CaseError as error:
         return str(error).split("\n"), None
-    return ([], case) if case.plain else (scene_checks.faults(case), case)
+    return scene_checks.faults(case), case
 
 
 def _not_followed(said, walls, fluids):
@@ -85,8 +85,6 @@ def _wrong_particles(case):
     apart = np.linalg.norm(x[:, None] - x, axis=2) + np.eye(len(x))
     if apart.min() < CLOSEST * S:
         return f"two particles are {apart.min() / S:.2g} spacings apart"
-    if case.plain:
-        return None
     exact, seen = build.volume(case), _seen(case)
     if abs(exact - seen) > VOLUME * seen:
         return f"its fluid has {seen:.5g} m2, and {exact:.5g} by what parisph says"

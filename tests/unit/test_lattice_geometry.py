@@ -9,6 +9,7 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.lattice import Lattice, misfit
 from parisph.geometry import build as geometry
+from parisph.geometry.mesh import CONCAVE
 
 
 def scene(shape=None, walls=Tank(2.0, 2.0), elevation=None, velocity=(0.0, 0.0), spacing=0.1, **numerics):
@@ -148,14 +149,14 @@ def test_column_of_the_dam_break():
 
 
 def test_walls_have_inward_unit_normals_and_corners():
-    for name, corners in (("column", [(0, 0), (2, 0)]), ("lid", [(0, 0), (2, 0), (0, 2), (2, 2)])):
+    for name, corners in (("column", [(0, 0), (2, 0), (0, 2), (2, 2)]), ("lid", [(0, 0), (2, 0), (0, 2), (2, 2)])):
         case, arrays = SCENES[name], geometry.build(SCENES[name])
         wall = arrays["kind"] == WALL
         assert np.linalg.norm(arrays["normal"][wall], axis=1) == pytest.approx(1.0)
         assert not arrays["normal"][~wall].any()
         found = {tuple(x) for x in np.round(arrays["x"][arrays["corner"] == 1], 9)}
         assert found == set(corners)
-        in_corner = arrays["normal"][arrays["corner"] == 1]
+        in_corner = arrays["normal"][(arrays["corner"] == 1) & (arrays["edge"] == CONCAVE)]
         assert np.allclose(np.abs(in_corner), np.sqrt(0.5))
         # One step along the normal leads into the tank, and every wall particle lies on a plane.
         inside = arrays["x"][wall] + 0.05 * arrays["normal"][wall]
@@ -168,10 +169,10 @@ def test_walls_have_inward_unit_normals_and_corners():
         assert np.all(on.any(axis=1))
 
 
-def test_open_tank_ends_without_a_corner():
+def test_rim_of_an_open_tank_is_the_end_of_its_sides():
     arrays = geometry.build(SCENES["column"])
     rim = np.abs(arrays["x"][:, 1] - 2.0) < 1e-9
-    assert np.count_nonzero(rim) == 2 and not arrays["corner"][rim].any()
+    assert np.count_nonzero(rim) == 2 and arrays["corner"][rim].all() and not arrays["edge"][rim].any()
     assert np.abs(arrays["normal"][rim, 0]) == pytest.approx(1.0)
 
 

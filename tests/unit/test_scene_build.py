@@ -94,8 +94,7 @@ def test_nodes_follow_the_fluid_in_the_order_of_the_mesh(name):
     np.testing.assert_array_equal(arrays["id"], np.arange(len(wall)))
     assert arrays["x"][wall].tobytes() == mesh.x0.tobytes()
     assert arrays["normal"][wall].tobytes() == mesh.normal0.tobytes()
-    tanks = [body for body, wall in enumerate(case.bodies) if isinstance(wall, Tank)]
-    ends = mesh.ends & ~np.isin(mesh.body, tanks)    # as the foot of a piston, but not the rim of a tank
+    ends = mesh.ends    # as the foot of a piston
     np.testing.assert_array_equal(arrays["corner"][wall] == 1, (mesh.edge == CONCAVE) | ends)
     np.testing.assert_array_equal(arrays["edge"][wall], mesh.edge)
     np.testing.assert_array_equal(arrays["body"][wall], mesh.body)

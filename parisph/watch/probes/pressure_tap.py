@@ -97,7 +97,7 @@ class PressureTap(OfPressure):
         apart, _, foot = nearest(np.array([self.at]), corners)
         normal = area_vectors(corners)[0]
         normal /= np.linalg.norm(normal)
-        before = foot + LIFT * s * normal
+        before = foot + LIFT * (s * normal + corners[0].mean(axis=0) - foot)    # off the other wall of a corner
         hidden = [wall.name for wall in walls if not in_fluid([outline_of(wall)], before)[0]]
         if apart[0] > TAP * s:
             yield (f"at = {self.at} is not on a wall; the nearest place on one is "
@@ -125,8 +125,7 @@ class PressureTap(OfPressure):
 class Tap(Measure):
     """Pressure on a wall, by least squares of a linear pressure on the wall particles within the radius.
 
-    The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts; in a corner, only
-    the particles of both walls.
+    The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts.
     """
 
     def __init__(self, probe: PressureTap, scene: Scene) -> None:
