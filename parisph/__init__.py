@@ -2,44 +2,62 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from parisph.base.errors import *
+    from parisph.case.load import load
+    from parisph.case.schema import *
+    from parisph.driver.loop import restart, run
+    from parisph.driver.simulation import Simulation
+    from parisph.io.reader import open_run
+    from parisph.watch.probes.column_height import ColumnHeight
+    from parisph.watch.probes.energy_probe import Energy
+    from parisph.watch.probes.flux_probe import Flux
+    from parisph.watch.probes.force_probe import Force
+    from parisph.watch.probes.momentum import Momentum
+    from parisph.watch.probes.pressure_tap import PressureTap
+    from parisph.watch.probes.run_up import RunUp
+    from parisph.watch.probes.surface_gauge import SurfaceGauge
+    from parisph.watch.probes.velocity_point import VelocityPoint
+    from parisph.watch.probes.velocity_profile import VelocityProfile
+    from parisph.watch.probes.volume import Volume
+    from parisph.watch.probes.water_front import WaterFront
 
 __version__ = "0.1.0"
 
-# What `from parisph import ...` offers, and where it lives. Loaded when first asked for, so that
-# `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
-_SCHEMA = (
-    "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output PeakBand Peaks "
-    "Truth AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke Sponge Relaxation "
-    "Friction ProbeArray Profiles "
-    "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
-)
-# The module of a kind of probe is named after its class.
-_PROBES = Path(__file__).parent.joinpath("watch", "probes").glob("[a-z]*.py")
-_PUBLIC = {
-    **{path.stem.removesuffix("_probe").title().replace("_", ""): f"parisph.watch.probes.{path.stem}"
-       for path in sorted(_PROBES)},
-    **{name: "parisph.case.schema" for name in _SCHEMA.split()},
-    "load": "parisph.case.load",
-    **{
-        name: "parisph.base.errors"
-        for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted",
-                     "MissingLibrary", "BadEnvironment")
-    },
-    **{name: "parisph.driver" for name in ("run", "restart", "Simulation")},
-    "open_run": "parisph.io.reader",
-}
+# Type checkers read this list, so it is written out.
+__all__ = [
+    "__version__",
+    "Case", "Fluid", "StillWater", "Box", "Disc", "Polygon", "Tank", "Lid", "Profile", "Obstacle", "Plate", "Piston",
+    "Flap", "Numerics", "Output", "PeakBand", "Peaks", "Truth", "AtRest", "Sway", "Heave", "Roll", "Moved", "Series",
+    "Tabulated", "PistonStroke", "FlapStroke", "Sponge", "Relaxation", "SurfaceGauge", "PressureTap", "WaterFront",
+    "ColumnHeight", "Energy", "Volume", "Momentum", "VelocityPoint", "VelocityProfile", "RunUp", "Force", "Flux",
+    "Friction", "ProbeArray", "Profiles", "Airy", "Jonswap", "Sloshing", "SolitaryWave", "StandingWave", "Stokes",
+    "StreamFunction", "WaveTruth",
+    "load", "run", "restart", "Simulation", "open_run",
+    "ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted", "MissingLibrary",
+    "BadEnvironment",
+]
 
-__all__ = ["__version__", *_PUBLIC]
+if not TYPE_CHECKING:
+    # Names are loaded when first asked for, so that `import parisph` costs nothing, and describing a case needs neither
+    # MPI nor PETSc. The module of a kind of probe is named after its class.
+    _PUBLIC = {
+        **dict.fromkeys(__all__[1:], "parisph.case.schema"),
+        **{path.stem.removesuffix("_probe").title().replace("_", ""): f"parisph.watch.probes.{path.stem}"
+           for path in Path(__file__).parent.joinpath("watch", "probes").glob("[a-z]*.py")},
+        "load": "parisph.case.load", "open_run": "parisph.io.reader",
+        **dict.fromkeys(("run", "restart", "Simulation"), "parisph.driver"),
+        **dict.fromkeys(__all__[__all__.index("ParisphError"):], "parisph.base.errors"),
+    }
 
+    def __getattr__(name: str) -> object:
+        if name not in _PUBLIC:
+            raise AttributeError(f"module 'parisph' has no attribute {name!r}")
+        value = getattr(import_module(_PUBLIC[name]), name)
+        globals()[name] = value
+        return value
 
-def __getattr__(name: str) -> Any:
-    if name not in _PUBLIC:
-        raise AttributeError(f"module 'parisph' has no attribute {name!r}")
-    value = getattr(import_module(_PUBLIC[name]), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})

@@ -8,11 +8,15 @@ import time
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
+from typing import TYPE_CHECKING
 
 from parisph.base import environment, output, surroundings
 from parisph.base.errors import BadEnvironment, ParisphError, StoreError, exit_code, unforeseen
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 STOPPABLE = ("run", "restart")    # the verbs that a signal stops properly
 LATER = 0.3        # [s] in which the launcher ends a rank if rank 0 has the same fault, and has told it
@@ -55,7 +59,7 @@ def main(words: Sequence[str] | None = None) -> int:
             output.silence(sys.stdout, sys.stderr)
 
 
-def _signals():
+def _signals() -> Signals:
     """Return the Signals of this process, for a start in which MPI is not up yet."""
     signals = Signals()
     signals.rank, size = environment.launched()
@@ -64,7 +68,7 @@ def _signals():
     return signals
 
 
-def _fail(error, words):
+def _fail(error: BaseException, words: Sequence[str]) -> int:
     """Print an error, wait for the other ranks, return the exit code.
 
     parisph's own errors are on all ranks, and rank 0 prints them. Any other error is a fault, possibly
@@ -88,13 +92,13 @@ def _fail(error, words):
     return exit_code(error)
 
 
-def _say(error, trace):
+def _say(error: BaseException, trace: bool) -> None:
     """Print an error; do nothing if standard error cannot be written."""
     with suppress(OSError):
         _print(error, trace)
 
 
-def _print(error, trace):
+def _print(error: BaseException, trace: bool) -> None:
     if trace:
         traceback.print_exception(error)
     if isinstance(error, (ParisphError, KeyboardInterrupt)):
@@ -106,7 +110,7 @@ def _print(error, trace):
     print(f"parisph: error: {text}", file=sys.stderr, flush=True)
 
 
-def _running_world():
+def _running_world() -> "MPI.Comm | None":
     """Return the communicator of all ranks if there are several and MPI is up, else None."""
     if "mpi4py.MPI" not in sys.modules:
         return None

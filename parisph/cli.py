@@ -32,14 +32,14 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     return args
 
 
-def _hint(word):
+def _hint(word: str) -> str:
     """Return a hint if an unknown word is an option for PETSc, as the end of a message; else nothing."""
     if word.startswith("-log"):
         return f"; {_early(word)}"
     return "; options for PETSc come after a lone --" if word.startswith(("-pressure_", "-ksp", "-pc")) else ""
 
 
-def _check_petsc(words):
+def _check_petsc(words: Sequence[str]) -> None:
     """Raise CaseError for words after the lone -- that would have no effect there."""
     for word in words:
         if word.startswith("--") or word in ("-o", "-q", "-h"):
@@ -50,7 +50,7 @@ def _check_petsc(words):
                             f"{_early(word)}")
 
 
-def _early(word):
+def _early(word: str) -> str:
     return f"set PETSC_OPTIONS={named(word, 80)} before the command"
 
 
@@ -65,6 +65,6 @@ def execute(words: Sequence[str]) -> int:
     return verbs.WORK[args.verb](args) or 0
 
 
-def _alone(verb):
+def _alone(verb: str) -> None:
     if environment.launched()[1] > 1:
         raise CaseError(f"parisph {verb} runs in one process: start it without mpirun")

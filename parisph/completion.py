@@ -1,6 +1,7 @@
 """Completion of `parisph` in a shell: verbs, options, case files, folders of runs. Needs shtab."""
 
 import argparse
+from collections.abc import Iterator
 
 from parisph.base import libraries
 
@@ -16,13 +17,13 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
     files = {"case": described, "study": described, "path": shtab.glob("*.h5"), "reference": shtab.glob("*.csv"),
              "DIR": shtab.DIRECTORY, "FILE": shtab.FILE}
     for action in _actions(parser):
-        found = files.get(action.dest) or files.get(action.metavar)
+        found = files.get(action.dest) or files.get(str(action.metavar))
         if found:
-            action.complete = found    # where shtab looks for it
+            setattr(action, "complete", found)    # where shtab looks for it
     return shtab.complete(parser, shell=shell)
 
 
-def _actions(parser):
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
     """All arguments of a parser and of its verbs."""
     for action in parser._actions:
         yield action

@@ -11,11 +11,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib import util
+from importlib import metadata, util
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from parisph.base import environment, launch, libraries, surroundings
 from parisph.base.errors import ParisphError
@@ -31,6 +31,9 @@ OLDEST_PETSC = (3, 18)
 NOT_ON_A_LAPTOP = ("MPI", "PETSc", "HDF5")    # which may do without
 
 PACKAGES = "run_scripts/setup installs it on Debian; on a cluster load its module"
+
+Answer: TypeAlias = dict[str, Any]               # of a process that loads one library
+Judgement: TypeAlias = tuple[bool, str, str]     # ok, detail and remedy of a Finding
 
 
 @dataclass(frozen=True)
@@ -82,12 +85,12 @@ def report(findings: Sequence[Finding]) -> str:
     return "\n".join(lines)
 
 
-def _cannot_run(findings):
+def _cannot_run(findings: Sequence[Finding]) -> bool:
     """Return whether neither MPI nor PETSc is installed, as on a laptop that is to look at runs."""
     return {"MPI", "PETSc"} <= {finding.name for finding in findings if finding.absent}
 
 
-def _without_mpi(findings):
+def _without_mpi(findings: Sequence[Finding]) -> str:
     """Return what parisph can do without MPI, and what it needs for the rest."""
     absent = {finding.name for finding in findings if finding.absent}
     look, rest = ("info", "compare", "reflection"), ("plot", "movie", "report")
@@ -100,7 +103,7 @@ def _without_mpi(findings):
     return "\n".join(lines)
 
 
-def _is_there(name):
+def _is_there(name: str) -> bool:
     try:
         return util.find_spec(name) is not None
     except ImportError:
@@ -123,21 +126,20 @@ def trial(comm: "MPI.Comm") -> dict[str, Any]:
 
 # ---- one library each, loaded in a separate process (`python -m parisph.doctor NAME`)
 
-def _ask_numpy():
+def _ask_numpy() -> Answer:
     import numpy
 
     return {"version": numpy.__version__}
 
 
-def _ask_numba():
+def _ask_numba() -> Answer:
     from parisph.kernels import jit, kept, selfcheck
-    from parisph.kernels.processor import numba
 
     found = kept.state(jit.FOLDERS)
-    return {"version": numba.__version__, "works": selfcheck.stores_hold(), **found}
+    return {"version": metadata.version("numba"), "works": selfcheck.stores_hold(), **found}
 
 
-def _ask_mpi():
+def _ask_mpi() -> Answer:
     import mpi4py
     from mpi4py import MPI
 
@@ -145,7 +147,7 @@ def _ask_mpi():
             "mpi4py": mpi4py.__version__}
 
 
-def _ask_petsc():
+def _ask_petsc() -> Answer:
     if not _is_there("petsc4py"):    # the import would first miss mpi4py, which it needs
         raise ModuleNotFoundError("No module named 'petsc4py'")
     from parisph.pressure import trial as pressure
@@ -153,7 +155,7 @@ def _ask_petsc():
     return pressure.versions()
 
 
-def _ask_hdf5():
+def _ask_hdf5() -> Answer:
     import h5py
 
     return {"version": h5py.version.hdf5_version, "h5py": h5py.__version__, "parallel": bool(h5py.get_config().mpi)}
@@ -164,16 +166,16 @@ _QUESTIONS = {"numpy": _ask_numpy, "numba": _ask_numba, "MPI": _ask_mpi, "PETSc"
 
 # ---- the answers are judged here: answer -> (ok, detail, remedy), each for a Finding
 
-def _judge_numpy(answer):
+def _judge_numpy(answer: Answer) -> Judgement:
     return True, answer["version"], ""
 
 
-def _judge_numba(answer):
+def _judge_numba(answer: Answer) -> Judgement:
     return answer["works"], answer["version"] + ("" if answer["works"] else ", makes wrong machine code"), (
         "unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, or install another release of numba")
 
 
-def _judge_kernels(answer):
+def _judge_kernels(answer: Answer) -> Judgement:
     """Judge the cache of compiled kernels, of which numba's answer tells."""
     count, damaged, write = answer["kernels"], len(answer["damaged"]), answer["write"]
     detail = f"{count} compiled, {amount(answer['bytes'])}" if count else "none compiled yet"
@@ -187,11 +189,11 @@ def _judge_kernels(answer):
     return True, f"{detail}{where}", ""
 
 
-def _judge_mpi(answer):
+def _judge_mpi(answer: Answer) -> Judgement:
     return True, f"{answer['version']}; mpi4py {answer['mpi4py']}", ""
 
 
-def _judge_petsc(answer):
+def _judge_petsc(answer: Answer) -> Judgement:
     hypre = {None: "without hypre", "": "hypre (version unknown)"}.get(answer["hypre"], f"hypre {answer['hypre']}")
     detail = f"{answer['PETSc']} ({answer['scalar']}, {answer['integer']}), {hypre}; petsc4py {answer['petsc4py']}"
     if answer["scalar"] != "float64":
@@ -201,7 +203,7 @@ def _judge_petsc(answer):
     return answer["hypre"] is not None, detail, "load a PETSc built with hypre (configure --download-hypre)"
 
 
-def _judge_hdf5(answer):
+def _judge_hdf5(answer: Answer) -> Judgement:
     kind = "parallel" if answer["parallel"] else "serial"    # parisph writes in parallel with both
     return True, f"{answer['version']}, {kind}; h5py {answer['h5py']}", ""
 
@@ -217,7 +219,8 @@ _LIBRARIES = (
 )
 
 
-def _library(name, module, judges, if_missing):
+def _library(name: str, module: str, judges: Mapping[str, Callable[[Answer], Judgement]],
+             if_missing: str) -> list[Finding]:
     """Return the Findings about one library."""
     try:
         answer = _run([sys.executable, "-m", "parisph.doctor", name])
@@ -228,7 +231,7 @@ def _library(name, module, judges, if_missing):
     return [Finding(about, *judge(answer)) for about, judge in judges.items()]
 
 
-def _of_numpy(findings):
+def _of_numpy(findings: list[Finding]) -> list[Finding]:
     """Return the findings, with those of libraries that were compiled for another numpy turned into one about it."""
     unfit = [finding.name for finding in findings if not finding.ok and surroundings.is_another_numpy(finding.detail)]
     if not unfit:
@@ -246,7 +249,7 @@ def _of_numpy(findings):
     return found
 
 
-def _two_ranks(launcher):
+def _two_ranks(launcher: str) -> Finding:
     """Return the Finding about a solve and a file of two ranks, which use the loopback interface."""
     try:
         answer = _run([launcher, "-n", "2", sys.executable, "-m", "parisph", "doctor", "--trial"])
@@ -255,7 +258,7 @@ def _two_ranks(launcher):
     return Finding("two ranks", *_judge_trial(answer))
 
 
-def _judge_trial(answer):
+def _judge_trial(answer: Answer) -> Judgement:
     detail = (f"solved together in {answer['iterations']} iterations, error {answer['error']:.0e}; "
               f"file {'written and read' if answer['file'] else 'came back different'}")
     if answer["ranks"] != 2:
@@ -264,7 +267,7 @@ def _judge_trial(answer):
     return answer["error"] < EXACT and answer["file"], detail, "PETSc or HDF5 is broken: reinstall it or load another"
 
 
-def _run(command):
+def _run(command: Sequence[str]) -> Answer:
     """Run a command in an empty folder; return the JSON of its last line. Raises ParisphError."""
     with tempfile.TemporaryDirectory(prefix="parisph-doctor-") as folder:
         try:
@@ -273,12 +276,13 @@ def _run(command):
             raise ParisphError(f"no answer within {LIMIT:.0f} s") from None
     lines = done.stdout.strip().splitlines()
     try:
-        return json.loads(lines[-1])
+        answer: Answer = json.loads(lines[-1])
     except (IndexError, ValueError):
         raise ParisphError(_cause(done)) from None
+    return answer
 
 
-def _child_environment():
+def _child_environment() -> dict[str, str]:
     """Return the environment of a child process that imports this parisph, installed or not."""
     variables = environment.for_launching()
     here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -286,14 +290,14 @@ def _child_environment():
     return variables
 
 
-def _cause(done):
+def _cause(done: subprocess.CompletedProcess[str]) -> str:
     """Return the most informative line of a failed process's output."""
     lines = [line.strip() for line in done.stderr.splitlines() if line.strip(" -")]
     errors = [line for line in lines if "Error" in line or "error:" in line]
     return (errors or lines or [f"ended with code {done.returncode} without a message"])[-1]
 
 
-def _write_together(comm):
+def _write_together(comm: "MPI.Comm") -> bool:
     """Write a row from each rank to one file, and read all of them on each rank. Collective."""
     import h5py
     import numpy as np

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from typing import Any, NoReturn, TypeAlias
 
 from parisph import __version__, arguments, completion
 from parisph.base import environment
@@ -13,18 +14,21 @@ QUIET = "Show neither progress nor that kernels are compiled; warnings are still
 EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
 
 
+Verbs: TypeAlias = "argparse._SubParsersAction[_Parser]"
+
+
 class _Parser(argparse.ArgumentParser):
     """Raises CaseError where argparse would exit, and prints on rank 0 only."""
 
-    def __init__(self, **options):
+    def __init__(self, **options: Any) -> None:
         super().__init__(add_help=False, **options)
         self._negative_number_matcher = re.compile(r"-\.?\d")    # argparse knows none with an exponent, nor -1/40
         self.add_argument("-h", "--help", action="help", help="Show this help and exit")
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
         raise CaseError(f"{clipped(plain(message), 300)}\n{self.format_usage().strip()}")
 
-    def _print_message(self, message, file=None):
+    def _print_message(self, message: str, file: Any = None) -> None:
         if environment.is_first():
             super()._print_message(message, file)
 
@@ -43,13 +47,13 @@ def build() -> argparse.ArgumentParser:
     return parser
 
 
-def _verb(verbs, name, text, example=""):
+def _verb(verbs: Verbs, name: str, text: str, example: str = "") -> argparse.ArgumentParser:
     verb = verbs.add_parser(name, help=text, description=f"{text}{example and ': '}{example or '.'}", epilog=EXIT_CODES)
     verb.add_argument("--debug", action="store_true", help="Show the traceback of an error")
     return verb
 
 
-def _run(verbs):
+def _run(verbs: Verbs) -> None:
     verb = _verb(verbs, "run", "Run a case on any number of ranks",
                  "mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
     _add_case(verb)
@@ -61,7 +65,7 @@ def _run(verbs):
     _add_progress(verb)
 
 
-def _restart(verbs):
+def _restart(verbs: Verbs) -> None:
     verb = _verb(verbs, "restart", "Continue a run from a checkpoint, on any number of ranks",
                  "mpirun -n 2 parisph restart DIR [options] [-- PETSc options]")
     verb.add_argument("path", type=arguments.path, metavar="DIR", help="Folder of a run, or a checkpoint file in it")
@@ -72,14 +76,14 @@ def _restart(verbs):
     _add_progress(verb)
 
 
-def _check(verbs):
+def _check(verbs: Verbs) -> None:
     verb = _verb(verbs, "check", "Check a case, and estimate the time and memory of a run")
     _add_case(verb)
     verb.add_argument("--plot", type=arguments.path, metavar="FILE",
                       help="Draw the scene at the start to this file, with the names of walls and probes")
 
 
-def _study(verbs):
+def _study(verbs: Verbs) -> None:
     verb = _verb(verbs, "study", "Make many runs of a case, and compare their errors and costs",
                  "parisph study FILE [options]. A repeated command makes only the runs that are not done. "
                  "Exit code 1: a run failed, or something that the study requires is not met")
@@ -101,13 +105,13 @@ def _study(verbs):
     verb.add_argument("--force", action="store_true", help=FORCE)
 
 
-def _info(verbs):
+def _info(verbs: Verbs) -> None:
     verb = _verb(verbs, "info", "Show the content, the results and the versions of a run, and check its snapshots")
     _add_run(verb)
     verb.add_argument("--json", action="store_true", help="Print summary.json instead")
 
 
-def _plot(verbs):
+def _plot(verbs: Verbs) -> None:
     verb = _verb(verbs, "plot", "Draw the flow, the probes, or the whole run on one page")
     verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
                       help="Folder of a run; for several runs, their probes are drawn over each other, "
@@ -122,7 +126,7 @@ def _plot(verbs):
     _add_drawing(verb, "up to the greatest value shown; on a page with several moments, most of the values")
 
 
-def _movie(verbs):
+def _movie(verbs: Verbs) -> None:
     verb = _verb(verbs, "movie", "Make an animation of the flow; its title gives the slow-motion factor")
     _add_run(verb)
     verb.add_argument("--fps", type=arguments.number, metavar="N",
@@ -133,7 +137,7 @@ def _movie(verbs):
     _add_drawing(verb, "one scale for all frames, for most of their values; a short impact may exceed it")
 
 
-def _report(verbs):
+def _report(verbs: Verbs) -> None:
     verb = _verb(verbs, "report", "Write a page that shows a run beside its references",
                  "parisph report DIR. What was run, errors without any shift of time, pictures, cost and drift in one "
                  "HTML file, with the pictures as PNG beside it")
@@ -148,7 +152,7 @@ def _report(verbs):
                       help="Write to this folder (default: that of the run; with --all: gallery)")
 
 
-def _compare(verbs):
+def _compare(verbs: Verbs) -> None:
     verb = _verb(verbs, "compare", "Compute the error of a probe against a reference series")
     _add_run(verb)
     verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv",
@@ -170,7 +174,7 @@ def _compare(verbs):
         verb.add_argument(option, type=arguments.number, default=default, metavar="X", help=text)
 
 
-def _reflection(verbs):
+def _reflection(verbs: Verbs) -> None:
     verb = _verb(verbs, "reflection", "Tell incident and reflected waves apart by two gauges or more",
                  "parisph reflection DIR --probes g1 g2 g3. Heights, reflection coefficient and residual by least "
                  "squares, for irregular waves by frequency")
@@ -188,20 +192,20 @@ def _reflection(verbs):
     verb.add_argument("--json", action="store_true", help="Print JSON")
 
 
-def _doctor(verbs):
+def _doctor(verbs: Verbs) -> None:
     verb = _verb(verbs, "doctor", "Check whether parisph can run on this machine")
     verb.add_argument("--trial", action="store_true",
                       help="Only solve a small system and write a file, on the ranks of this command (mpirun -n 4 "
                            "parisph doctor --trial)")
 
 
-def _completion(verbs):
+def _completion(verbs: Verbs) -> None:
     verb = _verb(verbs, "completion", "Print the script that completes commands in a shell")
     verb.add_argument("shell", choices=completion.SHELLS, metavar="SHELL",
                       help=f"One of {', '.join(completion.SHELLS)}")
 
 
-def _add_case(verb):
+def _add_case(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("case", type=arguments.path, metavar="CASE",
                       help="Python file with a function case(...), or the case.json of a run")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
@@ -209,22 +213,22 @@ def _add_case(verb):
     _add_parts(verb)
 
 
-def _add_parts(verb):
+def _add_parts(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--parts", action="append", default=[], type=arguments.path, metavar="FILE",
                       help="Run a Python file first that registers parts of methods (may be repeated)")
 
 
-def _add_progress(verb):
+def _add_progress(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("-q", "--quiet", action="store_true", help=QUIET)
     verb.add_argument("--force", action="store_true", help=FORCE)
     verb.set_defaults(petsc=[], collective=True)
 
 
-def _add_run(verb):
+def _add_run(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("run", type=arguments.path, metavar="DIR", help="Folder of a run")
 
 
-def _add_drawing(verb, scale):
+def _add_drawing(verb: argparse.ArgumentParser, scale: str) -> None:
     verb.add_argument("--field", metavar="NAME",
                       help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
     verb.add_argument("--frame", choices=("tank", "world"),

@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, TypeVar, cast
 
 from parisph.base import environment, libraries
 from parisph.base.errors import Interrupted, ParisphError, agree
@@ -21,20 +21,23 @@ def everywhere(action: Callable[[], Result]) -> Result:
     """
     if environment.launched()[1] == 1:
         return action()
-    result, error = None, None
+    result: Result | None = None
+    error: ParisphError | None = None
     try:
         result = action()
     except ParisphError as problem:
         error = problem
     _agree(error)
-    return result
+    return cast(Result, result)
 
 
 def on_first(action: Callable[[], Result]) -> Result:
     """Call action() on rank 0 only, and return its result on every rank. Collective; errors as in `everywhere`."""
     if environment.launched()[1] == 1:
         return action()
-    comm, result, error = world(), None, None
+    comm = world()
+    result: Result | None = None
+    error: ParisphError | None = None
     if comm.rank == 0:
         try:
             result = action()
@@ -42,7 +45,7 @@ def on_first(action: Callable[[], Result]) -> Result:
             error = problem
     comm.Barrier()    # a rank that waits here can be stopped by signals; in the sums of `agree` it cannot
     _agree(error)
-    return comm.bcast(result)
+    return cast(Result, comm.bcast(result))
 
 
 def stop_if_asked() -> None:
@@ -73,7 +76,7 @@ def world() -> "MPI.Comm":
     return MPI.COMM_WORLD
 
 
-def _agree(error):
+def _agree(error: ParisphError | None) -> None:
     """Raise on every rank if any has an error; a rank with an error raises its own, without "rank 0:" in front."""
     try:
         agree(world(), error)

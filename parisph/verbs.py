@@ -3,15 +3,21 @@
 import argparse
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from parisph import completion, parser, ranks
 from parisph.base import environment, libraries, output
+from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError
 
+if TYPE_CHECKING:    # loaded by the verbs that need them
+    from parisph.case.schema import Case
+    from parisph.study.patch_study import PatchStudy
 
-def _run(args):
+
+def _run(args: argparse.Namespace) -> None:
     if environment.launched()[1] > 1:
         ranks.world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
@@ -29,13 +35,13 @@ def _run(args):
     _tell(comm, summary, out)
 
 
-def _prepared(args):
+def _prepared(args: argparse.Namespace) -> tuple[str, dict[str, Any], str, list[str]]:
     """Return (case as JSON text, its origin, folder for the run, files that have registered parts). On one rank."""
     case = _load(args)
     return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
 
 
-def _restart(args):
+def _restart(args: argparse.Namespace) -> None:
     comm = ranks.world()
     ranks.everywhere(lambda: _register(args.parts))
     from parisph import driver
@@ -46,7 +52,7 @@ def _restart(args):
     _tell(comm, summary, args.out or run_of(args.path))
 
 
-def _check(args):
+def _check(args: argparse.Namespace) -> None:
     case = _load(args)
     from parisph import driver
     from parisph.case.load import arguments
@@ -59,20 +65,20 @@ def _check(args):
         print(args.plot)
 
 
-def _load(args):
+def _load(args: argparse.Namespace) -> "Case":
     from parisph.case.load import load
 
     _register(args.parts)
     return load(args.case, args.set)
 
 
-def _folder(args):
+def _folder(args: argparse.Namespace) -> str:
     """Return the folder for a new run, never one that holds a run already (unless asked to overwrite)."""
     if args.out is not None:
         if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
             raise CaseError(f"{args.out} holds a run already: give another folder with -o, "
                             "or move the whole folder aside with --overwrite")
-        return args.out
+        return str(args.out)
     case = Path(args.case)
     name = case.resolve().parent.name if case.name == "case.json" else case.stem
     number = 1
@@ -81,7 +87,7 @@ def _folder(args):
     return str(folder)
 
 
-def _files_of_parts(args):
+def _files_of_parts(args: argparse.Namespace) -> list[str]:
     """Return the files that have registered parts from outside: those of --parts, and the case file if it has."""
     from parisph.base import vocabulary
 
@@ -89,7 +95,7 @@ def _files_of_parts(args):
     return [*args.parts, *([args.case] if vocabulary.outside() and not is_stored else [])]
 
 
-def _register(files):
+def _register(files: Iterable[str]) -> None:
     """Run the Python files that register parts of methods. Not collective: each rank does it."""
     from parisph.case.load import register_parts
 
@@ -97,14 +103,14 @@ def _register(files):
         register_parts(file)
 
 
-def _tell(comm, summary, folder):
+def _tell(comm: Communicator, summary: Mapping[str, Any], folder: str | Path) -> None:
     from parisph.io import info
 
     if comm.rank == 0:
         output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}", *info.last_words(summary)]))
 
 
-def _study(args):
+def _study(args: argparse.Namespace) -> int:
     from parisph.study import report, study_file
     from parisph.study.definition import Study
     from parisph.study.plan import plan_study
@@ -122,7 +128,7 @@ def _study(args):
     return run_study(plan, args.jobs, not args.quiet, args.force, output.show)
 
 
-def _patch_study(args, study, file):
+def _patch_study(args: argparse.Namespace, study: "PatchStudy", file: Path) -> int:
     for option, given in (("--set", args.set), ("--limit", args.limit is not None), ("-j", args.jobs > 1)):
         if given:
             raise CaseError(f"{option}: a patch study has no runs of a case, and takes seconds in this process; "
@@ -138,7 +144,7 @@ def _patch_study(args, study, file):
     return run_patch_study(study, file, folder, args.only, not args.quiet, args.force, output.show)
 
 
-def _info(args):
+def _info(args: argparse.Namespace) -> None:
     from parisph.io import info, reader
 
     run = reader.Run(args.run)
@@ -153,7 +159,7 @@ def _info(args):
         run.check()
 
 
-def _plot(args):
+def _plot(args: argparse.Namespace) -> None:
     from parisph.io import reader
     from parisph.pictures import orders
 
@@ -164,20 +170,20 @@ def _plot(args):
         print(path)
 
 
-def _movie(args):
+def _movie(args: argparse.Namespace) -> None:
     from parisph.io import reader
     from parisph.pictures import orders
 
     print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, progress=True, **_look(args)))
 
 
-def _look(args):
+def _look(args: argparse.Namespace) -> dict[str, Any]:
     """Return the options of io.view.Look; None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
             "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame}
 
 
-def _report(args):
+def _report(args: argparse.Namespace) -> None:
     from parisph.report import gallery, page
 
     if args.into is not None and args.out is not None:
@@ -194,7 +200,7 @@ def _report(args):
         print(path)
 
 
-def _compare(args):
+def _compare(args: argparse.Namespace) -> None:
     from parisph.io import reader
     from parisph.truth import comparison
 
@@ -208,7 +214,7 @@ def _compare(args):
     print(json.dumps(found.result, indent=2) if args.json else comparison.text(found.result))
 
 
-def _reflection(args):
+def _reflection(args: argparse.Namespace) -> None:
     from parisph.case import stored
     from parisph.io import reader
     from parisph.truth import reflected
@@ -219,7 +225,7 @@ def _reflection(args):
     print(json.dumps(found, indent=2) if args.json else reflected.text(found))
 
 
-def _doctor(args):
+def _doctor(args: argparse.Namespace) -> int:
     from parisph import doctor
 
     if not args.trial:
@@ -233,7 +239,7 @@ def _doctor(args):
     return 0
 
 
-def _completion(args):
+def _completion(args: argparse.Namespace) -> None:
     print(completion.script(parser.build(), args.shell))
 
 

@@ -87,7 +87,7 @@ class StillTank:
         div, divergence, beyond = np.empty(self.n), [], []
         for e in self._velocity_units():
             p.u[:] = self._with_walls(e)
-            rows.divergence(div, p.u, p.role)
+            rows.divergence(div, p.u)
             divergence.append(div[self.inner])
             beyond.append(potential.find(self.flow).beyond[self.fluid].ravel())
         self.divergence, self.beyond = (np.stack(columns, axis=1) for columns in (divergence, beyond))
@@ -105,10 +105,8 @@ class StillTank:
 
     def _with_walls(self, u):
         """Return u with the velocity that wall particles take from it."""
-        p, d, u = self.particles, self.domain, u.copy()
-        rest = np.zeros((self.n, 2))
-        gradients.wall_velocity(u, p.x, p.kind, p.corner, p.normal, p.role, rest, rest,
-                                lengths.WALL * self.numerics.spacing, d.indptr, d.indices, self.flow.axes)
+        u, rest = u.copy(), np.zeros((self.n, 2))
+        gradients.wall_velocity(u, self.flow.cloud, rest, rest, lengths.WALL * self.numerics.spacing)
         return u
 
     def _pressure_rows(self):

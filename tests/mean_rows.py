@@ -10,10 +10,10 @@ def install(monkeypatch) -> None:
     """Make the rows of all wet wall particles means, until the test ends."""
     full = walls.sfdi_rows
 
-    def rows(count, columns, values, measure, x, role, normal, radius, indptr, *rest):
-        full(count, columns, values, measure, x, role, normal, radius, indptr, *rest)
-        n = len(indptr) - 1
-        for i in np.flatnonzero((role[:n] == WET) & (count[:n] > 0)):
-            values[indptr[i]:indptr[i] + count[i]] = 1.0 / count[i]
-            measure[i] = 0.0
-    monkeypatch.setattr(walls, "sfdi_rows", rows)
+    def mean_rows(rows, cloud, radius):
+        full(rows, cloud, radius)
+        n, start = len(cloud.indptr) - 1, cloud.indptr
+        for i in np.flatnonzero((cloud.role[:n] == WET) & (rows.count[:n] > 0)):
+            rows.values[start[i]:start[i] + rows.count[i]] = 1.0 / rows.count[i]
+            rows.measure[i] = 0.0
+    monkeypatch.setattr(walls, "sfdi_rows", mean_rows)

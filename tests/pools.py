@@ -8,11 +8,11 @@ import numpy as np
 from parisph.base.fields import ABSENT, FLUID, INNER, WALL
 from parisph.case.lattice import Lattice
 from parisph.geometry.mesh import WallMesh, block_mesh
-from parisph.kernels import density
+from parisph.kernels import density, records
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 from parisph.kernels.moments import second_moment
-from parisph.kernels.records import Cloud, cloud_of, no_walls
+from parisph.kernels.records import cloud_of, no_walls
 from parisph.kernels.solids import near_lists, seen_elements
 from parisph.patch import arrangement
 
@@ -68,8 +68,8 @@ class Pool:
     @property
     def cloud(self):
         """The record that kernels take."""
-        return Cloud(self.x, self.kind, self.role, self.normal, self.corner, np.full(self.n, self.spacing**self.dim),
-                     self.indptr, self.indices, self.spacing, self.axes)
+        return records.cloud_of(self.x, self.kind, self.role, self.normal, self.indptr, self.indices,
+                                self.spacing)._replace(corner=self.corner)
 
     @property
     def walls(self):
@@ -118,7 +118,7 @@ class Pool:
         """Return det/(trace/dim)^dim of the moment of each particle's neighbours, as least squares weigh them: (n,)."""
         m, found = np.empty((self.dim, self.dim)), np.empty(self.n)
         for i in range(self.n):
-            second_moment(m, i, self.x, self.role, radius**2, power, *self.csr)
+            second_moment(m, i, self.cloud, radius**2, power)
             found[i] = np.linalg.det(m) / max(np.trace(m) / self.dim, 1e-300) ** self.dim
         return found
 
@@ -184,16 +184,11 @@ class Rows:
     def __init__(self, pool):
         nnz = len(pool.indices)
         self.pool = pool
-        self.count = np.zeros(pool.n, np.int32)
-        self.columns = np.full(nnz, -1, np.int32)
-        self.values = np.full(nnz, np.nan)
-        self.measure = np.full(pool.n, np.nan)
-        self.flux = np.full((nnz, pool.dim), np.nan)
-        self.div = np.full(pool.n, np.nan)
-
-    @property
-    def matrix(self):
-        return self.count, self.columns, self.values, self.measure
+        self.matrix = records.Rows(np.zeros(pool.n, np.int32), np.full(nnz, -1, np.int32), np.full(nnz, np.nan),
+                                   np.full(pool.n, np.nan))
+        self.count, self.columns, self.values, self.measure = self.matrix
+        self.flux = records.Flux(self.count, self.columns, np.full((nnz, pool.dim), np.nan), np.full(pool.n, np.nan))
+        self.div = self.flux.div
 
     def entries(self, i):
         """Return columns and values of row i."""

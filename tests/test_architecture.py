@@ -49,7 +49,10 @@ def faults(package):
 def imports(tree, package, module, is_package):
     """Return (line, dotted name) of every import anywhere in a module; ours as package.part.module[.name]."""
     names = []
-    for node in ast.walk(tree):
+    # what the front of the package imports for type checkers alone is never loaded
+    parts = [part for part in tree.body
+             if module or ast.unparse(part).partition(":")[0] != "if TYPE_CHECKING"]
+    for node in (node for part in parts for node in ast.walk(part)):
         if isinstance(node, ast.Import):
             names += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):

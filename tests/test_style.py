@@ -1,11 +1,13 @@
 """Rules of style that a tool checks: see [tool.ruff] and [tool.mypy] in pyproject.toml. Public functions have types."""
 
 import ast
+import re
 import subprocess
 import sys
 
 import pytest
 
+import parisph
 from tests.launch import ROOT
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -21,8 +23,39 @@ def test_ruff_finds_no_fault():
     assert said("ruff", "check", "--no-cache", "parisph", "tests", "cases", "run_scripts") == ""
 
 
-def test_mypy_finds_no_fault(tmp_path):
-    assert said("mypy", "--no-error-summary", "--cache-dir", str(tmp_path)) == ""
+# A user's file, with the mypy error of each line that has one.
+USE = """\
+Box(1.0, 0.5)
+Box(width=1, height=0.5, at=(0, 1))
+Box(widht=1.0)    # call-arg
+Box(1.0, "0.5")    # arg-type
+Box(1.0, 0.5).widht    # attr-defined
+Box(1.0, 0.5).width = 2.0    # misc
+Tank(3.0, 1.0, Lid(0.5), no_slip=("bottom",))
+Numerics(0.1, "ISPH", time_step=None)
+Numerics()    # call-arg
+Numerics(spacng=0.1)    # call-arg
+Profile([(0.0, 0.0), (1.0, 0.1)], name="beach")
+Series("paddle.csv", time="t", value="x", rate=True)
+SolitaryWave(0.05, 0.25, "cnoidal")    # arg-type
+PressureTap("P1", (0.0, 0.1), radius=0.01)
+parisph.Bxo    # attr-defined
+Case("Water", fluid=Fluid(Box(1.0, 0.4), 1000.0), gravity=(0.0, "-9.81"), numerics=Numerics(0.1), end_time=1.0)
+case = Case("Water", fluid=[Fluid(Box(1.0, 0.4), density=1000.0)], walls=(Tank(1.0, 0.6), Plate(((0, 0), (1, 1)))),
+            gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), absorb=Sponge(0.0, 1.0), probes=[Energy("e")],
+            end_time=1.0)
+case.changed(end_time=2.0).numerics.spacing + 1.0
+"""
+
+
+def test_mypy_finds_no_fault_but_those_of_a_user(tmp_path):
+    file = tmp_path / "use.py"
+    lines = ["import parisph", f"from parisph import {', '.join(parisph.__all__)}", *USE.splitlines()]
+    file.write_text("\n".join(lines), encoding="utf-8")
+    found = said("mypy", "--no-error-summary", "--cache-dir", str(tmp_path / "cache"), "parisph", str(file))
+    assert re.findall(r"^(.*?):(\d+): error: .*\[([a-z-]+)\]$", found, re.M) == [
+        (str(file), str(number), line.partition("    # ")[2])
+        for number, line in enumerate(lines, start=1) if "    # " in line], found
 
 
 def untyped(text):

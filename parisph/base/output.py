@@ -3,7 +3,7 @@
 import errno
 import os
 import sys
-from typing import TextIO
+from typing import TextIO, TypeGuard
 
 # What a write to a file, a terminal or a socket fails with; a pipe without a reader is BrokenPipeError.
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
@@ -17,7 +17,7 @@ def open_closed() -> None:
             setattr(sys, name, open(nowhere, "w"))
 
 
-def is_unwritable(error: BaseException | None) -> bool:
+def is_unwritable(error: BaseException | None) -> TypeGuard[OSError]:
     """Return whether an exception says that standard output cannot be written.
 
     Files of a run have errors of their own.

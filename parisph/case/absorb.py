@@ -6,7 +6,7 @@ wave and absorbs others.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Literal, Optional, Union
+from typing import Annotated, Literal, Union
 
 import numpy as np
 from pydantic import Field
@@ -28,12 +28,12 @@ class Zone(Model):
     strength alone. Higher rates reflect waves themselves.
     """
 
-    kind: str
+    kind: str = Field(init=False)
     start: float = Field(description="lower end x of the zone [m]")
     length: float = Field(gt=0, description="length of the zone [m], at least that of the waves")
-    strength: float = Field(SPONGE, gt=0, le=1000, description="greatest 1/tau times length over group velocity")
-    towards: Optional[Literal["left", "right"]] = Field(
-        None, description="end at which it is strongest; default the one nearer to an end of the tank")
+    strength: float = Field(default=SPONGE, gt=0, le=1000, description="greatest length / tau over group velocity")
+    towards: Literal["left", "right"] | None = Field(
+        default=None, description="end at which it is strongest; default the one nearer to an end of the tank")
 
     @property
     def end(self) -> float:
@@ -70,7 +70,7 @@ class Sponge(Zone):
     10.0
     """
 
-    kind: Literal["sponge"] = "sponge"
+    kind: Literal["sponge"] = Field(default="sponge", init=False)
 
 
 class Relaxation(Zone):
@@ -92,11 +92,11 @@ class Relaxation(Zone):
     0.5
     """
 
-    kind: Literal["relaxation"] = "relaxation"
-    strength: float = Field(RELAXATION, gt=0, le=1000, description="greatest 1/tau times length over group velocity")
-    wave: AnyWave
-    ramp: float = Field(0.0, ge=0, description="time over which the wave grows from rest [s]")
-    level: Optional[float] = Field(None, description="height y of the still surface [m]")
+    kind: Literal["relaxation"] = Field(default="relaxation", init=False)
+    strength: float = Field(default=RELAXATION, gt=0, le=1000, description="greatest length / tau over group velocity")
+    wave: AnyWave = Field(kw_only=True)
+    ramp: float = Field(default=0.0, kw_only=True, ge=0, description="time over which the wave grows from rest [s]")
+    level: float | None = Field(default=None, kw_only=True, description="height y of the still surface [m]")
 
     def target(self, x: Floats, t: float, level: float) -> Floats | float:
         """See Zone."""

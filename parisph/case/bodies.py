@@ -1,14 +1,14 @@
 """Bodies of a scene beside the tank: beds, obstacles, plates and wavemakers, and the still water between them."""
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal, Optional, Union
+from typing import Annotated, Any, Literal, Union
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, Motion, PistonStroke, Rotation
 from parisph.case.shapes import Name, Shape, Tank
 from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction
@@ -17,7 +17,7 @@ PistonWave = Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap
                        Field(discriminator="kind", description="a wave")]
 FlapWave = Annotated[Union[Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
 Slip = Annotated[Literal["free", "none"], Field(description='"free", or "none" where viscous fluid sticks')]
-Line = Annotated[tuple[tuple[float, float], ...],
+Line = Annotated[Several[tuple[float, float]],
                  Field(min_length=2, max_length=1000, description="points ((x, y), ...) in order [m]")]
 
 
@@ -33,12 +33,12 @@ class Profile(Model):
     True
     """
 
-    kind: Literal["profile"] = "profile"
+    kind: Literal["profile"] = Field(default="profile", init=False)
     points: Line
     name: Name = ""
     slip: Slip = "free"
-    side: Optional[Literal["left", "right"]] = Field(
-        None, description="side of the way from the first to the last point on which the fluid is, None for above")
+    side: Literal["left", "right"] | None = Field(
+        default=None, description="side of the way along the points on which the fluid is, None for above")
     motion: AnyMotion = AtRest()
 
     @model_validator(mode="after")
@@ -69,7 +69,7 @@ class Obstacle(Model):
     'free'
     """
 
-    kind: Literal["obstacle"] = "obstacle"
+    kind: Literal["obstacle"] = Field(default="obstacle", init=False)
     shape: Shape
     name: Name = ""
     slip: Slip = "free"
@@ -96,7 +96,7 @@ class Plate(Model):
     'baffle'
     """
 
-    kind: Literal["plate"] = "plate"
+    kind: Literal["plate"] = Field(default="plate", init=False)
     points: Line
     name: Name = ""
     slip: Slip = "free"
@@ -122,7 +122,7 @@ class StillWater(Model):
     0.3
     """
 
-    kind: Literal["still_water"] = "still_water"
+    kind: Literal["still_water"] = Field(default="still_water", init=False)
     level: float = Field(description="height of the water surface [m]")
 
 
@@ -141,13 +141,13 @@ class Piston(Model):
     1.0
     """
 
-    kind: Literal["piston"] = "piston"
+    kind: Literal["piston"] = Field(default="piston", init=False)
     at: float = Field(description="position x of the wall at rest [m]")
-    wave: Optional[PistonWave] = Field(None, description="wave that the piston makes")
-    motion: Optional[AnyMotion] = Field(None, description="motion, in place of a wave")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the fluid, None for that of the wave")
-    bottom: Optional[float] = Field(None, description="height of its lower end [m], None for that of the bed")
-    top: Optional[float] = Field(None, description="height of its upper end [m], None for that of the other walls")
+    wave: PistonWave | None = Field(default=None, description="wave that the piston makes")
+    motion: AnyMotion | None = Field(default=None, description="motion, in place of a wave")
+    side: Literal["left", "right"] | None = Field(default=None, description="side of the fluid, None for the wave's")
+    bottom: float | None = Field(default=None, description="height of its lower end [m], None for that of the bed")
+    top: float | None = Field(default=None, description="height of its upper end [m], None for that of the other walls")
     name: Name = ""
     slip: Slip = "free"
 
@@ -187,13 +187,13 @@ class Flap(Model):
     'flap_stroke'
     """
 
-    kind: Literal["flap"] = "flap"
+    kind: Literal["flap"] = Field(default="flap", init=False)
     hinge: Annotated[tuple[float, float], Field(description="hinge (x, y) [m]")]
-    wave: Optional[FlapWave] = Field(None, description="wave that the flap makes")
-    motion: Optional[AnyMotion] = Field(None, description="motion, in place of a wave")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the fluid, None for that of the wave")
-    bed: Optional[float] = Field(None, description="height of the bed under the waves [m], None for that of the hinge")
-    top: Optional[float] = Field(None, description="height of its upper end [m], None for that of the other walls")
+    wave: FlapWave | None = Field(default=None, description="wave that the flap makes")
+    motion: AnyMotion | None = Field(default=None, description="motion, in place of a wave")
+    side: Literal["left", "right"] | None = Field(default=None, description="side of the fluid, None for the wave's")
+    bed: float | None = Field(default=None, description="height of the bed under the waves [m], None for the hinge's")
+    top: float | None = Field(default=None, description="height of its upper end [m], None for that of the other walls")
     name: Name = ""
     slip: Slip = "free"
 
@@ -224,11 +224,11 @@ class Flap(Model):
         return _leftward(self.wave, self.side)
 
 
-def _leftward(wave: Any, side: Optional[str]) -> bool:
+def _leftward(wave: Any, side: str | None) -> bool:
     return side == "left" if side is not None else wave is not None and wave.leftward
 
 
-def _check_drive(wave: Any, motion: Optional[Motion], side: Optional[str]) -> None:
+def _check_drive(wave: Any, motion: Motion | None, side: str | None) -> None:
     """Raise ValueError unless either a wave or a motion is given, and the wave runs into the fluid."""
     if (wave is None) == (motion is None):
         raise ValueError("give either a wave or a motion")
@@ -256,7 +256,7 @@ Body = Annotated[
 Walls = Annotated[
     Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
           Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")],
-          Annotated[tuple[Body, ...], Tag("several")]],
+          Annotated[Several[Body], Tag("several")]],
     Discriminator(_kind_of)]
 
 
@@ -279,7 +279,7 @@ def _check_line(points: Sequence[Sequence[float]], closed: bool) -> None:
             raise ValueError(f"points: the line {one} meets that {other}; give the points in order along one line")
 
 
-def _first_met(a: Floats, b: Floats, i: int, closed: bool) -> Optional[int]:
+def _first_met(a: Floats, b: Floats, i: int, closed: bool) -> int | None:
     """Return the first later piece that piece i touches or crosses, other than where they join, or None."""
     j = np.arange(i + 1, len(a))
     before = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i]) <= 0.0

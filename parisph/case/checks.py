@@ -68,12 +68,12 @@ def _turning(case: Scene) -> Iterator[str]:
 
 
 def _absorbing(case: Scene) -> Iterator[str]:
-    if not case.absorb:
+    if not case.zones:
         return
     if case.wall_bounds is None:
         yield "absorb: there is no tank; give walls=Tank(...) or leave the zones out"
         return
-    yield from absorb.problems(case.absorb, case.ends)
+    yield from absorb.problems(case.zones, case.ends)
     if METHODS[case.numerics.method].step == "compressible":
         yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
     elif "absorb" not in (case.numerics.resolved().forces or ()):

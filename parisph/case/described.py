@@ -1,38 +1,48 @@
-"""How records look to inspect.signature, help() and completion: by their fields and their own words, not pydantic's."""
+"""How records look to checkers, editors, inspect.signature and help(): by their fields, not pydantic's words."""
 
 import inspect
 import types
 import typing
-from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field, PrivateAttr
+from pydantic.fields import FieldInfo
+from typing_extensions import dataclass_transform
 
-_Meta: Any = type(BaseModel)    # whose module is private to pydantic
+if TYPE_CHECKING:    # a private name of pydantic
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 
-class Described(_Meta):    # type: ignore[misc]
+def given(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the fields that a user may give, by name: all but `kind`."""
+    return {name: field for name, field in model.model_fields.items() if name != "kind"}
+
+
+# PEP 681: checkers and editors read the arguments of a record from its fields. They see a default only if it is written
+# default=..., want kw_only=True for a field without a default after one that has a default, and init=False for one that
+# is not to be given.
+@dataclass_transform(frozen_default=True, field_specifiers=(Field, PrivateAttr))
+class Described(ModelMetaclass):
     """The type of all records. A record has the signature of its fields; help() leaves out what pydantic adds."""
 
     @property
     def __signature__(cls) -> inspect.Signature:
-        """Fields in their order, with types and defaults. From the first that is needed after others on, by name."""
-        found: list[inspect.Parameter] = []
-        kind: Any = inspect.Parameter.POSITIONAL_OR_KEYWORD
-        none = inspect.Parameter.empty
-        for name, field in cls.model_fields.items():
-            if name != "kind":
-                default = none if field.is_required() else field.get_default(call_default_factory=True)
-                if default is none and found and found[-1].default is not none:
-                    kind = inspect.Parameter.KEYWORD_ONLY
-                found.append(inspect.Parameter(name, kind, default=default, annotation=_bare(field.annotation)))
-        return inspect.Signature(found)
+        """Fields in their order, with types and defaults; those with kw_only=True come last."""
+        found = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY if field.kw_only
+                                   else inspect.Parameter.POSITIONAL_OR_KEYWORD,
+                                   default=inspect.Parameter.empty if field.is_required()
+                                   else field.get_default(call_default_factory=True),
+                                   annotation=_bare(field.annotation))
+                 for name, field in given(typing.cast(type[BaseModel], cls)).items()]
+        return inspect.Signature(sorted(found, key=lambda parameter: parameter.kind))
 
     @__signature__.setter
     def __signature__(cls, _: Any) -> None:
         """Pydantic sets one of its own."""
 
-    def __dir__(cls) -> Iterable[str]:
+    def __dir__(cls) -> list[str]:
         """Names that records define themselves; the others work too."""
         own = {name for base in cls.__mro__ if base not in BaseModel.__mro__ for name in vars(base)}
         return sorted(name for name in own if not name.startswith(("_", "model_")))

@@ -68,7 +68,7 @@ def _short(case: Scene, wave: Size) -> Iterator[str]:
 def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
     """Waves of linear theory that start so high that the second order is missed."""
     made = {f"{name}.wave" for name, _ in fluid_names(case)}
-    made |= {f"absorb[{number}].wave" for number, zone in enumerate(case.absorb) if isinstance(zone, Relaxation)}
+    made |= {f"absorb[{number}].wave" for number, zone in enumerate(case.zones) if isinstance(zone, Relaxation)}
     for size in waves:
         wave, part = size.wave, size.second_order
         if size.name not in made:
@@ -90,7 +90,7 @@ def _sponges(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
     """Zones that are shorter than the waves which come to them. Of solitary waves nothing was measured."""
     longest = max((wave for wave in waves if not isinstance(wave.wave, (SolitaryWave, Sloshing))),
                   key=lambda wave: wave.length, default=None)
-    for number, zone in enumerate(case.absorb):
+    for number, zone in enumerate(case.zones):
         own = getattr(zone, "wave", None)
         if longest is not None and zone.length < longest.length * (1.0 - 1e-6):
             told = ("more than 2.5 % of it comes back (0.3 % from a sponge of twice its length)"

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from parisph.base.text import shown
+from parisph.case.described import given
 
 MOST_LINES = 10     # of problems in one message
 PLAIN = {           # pydantic's words for what a value must be are those of programmers
@@ -93,7 +94,7 @@ def _limit(item: Mapping[str, Any], context: Mapping[str, Any]) -> str:
 
 def _unknown_fields(owner: type[BaseModel], names: Sequence[str]) -> str:
     """Return what is wrong with names that are no fields of a record, and what it has in their place."""
-    known = [name for name in owner.model_fields if name != "kind"]
+    known = list(given(owner))
     wrong, meant, hints = list(dict.fromkeys(names)), [], []
     for name in wrong:
         hint = next((text for classes, words, text in MEANT if owner.__name__ in classes and name in words), None)

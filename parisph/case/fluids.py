@@ -1,6 +1,6 @@
 """Bodies of fluid, and how they start."""
 
-from typing import Annotated, Optional, Union
+from typing import Annotated, Union
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -9,7 +9,7 @@ from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.bodies import StillWater
 from parisph.case.expressions import compile_expression, variable_names, vector_field
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.shapes import Box, Disc, Polygon, Shape
 from parisph.case.waves import AnyWave
 
@@ -53,14 +53,14 @@ class Fluid(Model):
 
     shape: FluidShape
     density: float = Field(gt=0, description="density [kg/m3]")
-    velocity: tuple[Number, ...] = Field((0.0, 0.0),
+    velocity: tuple[Number, ...] = Field(default=(0.0, 0.0),
                                          description="start velocity (u, v) [m/s], numbers or expressions of x, y")
     elevation: Union[float, str, None] = Field(
-        None, description="surface elevation above a Box [m], a number or an expression of x"
+        default=None, description="surface elevation above a Box [m], a number or an expression of x"
     )
-    viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
-    wave: Optional[AnyWave] = Field(None, description="wave that gives velocity and elevation at the start")
-    holes: Annotated[tuple[Shape, ...], Field(max_length=100, description="shapes without fluid")] = ()
+    viscosity: float = Field(default=0.0, ge=0, description="kinematic viscosity [m2/s]")
+    wave: AnyWave | None = Field(default=None, description="wave that gives velocity and elevation at the start")
+    holes: Annotated[Several[Shape], Field(max_length=100, description="shapes without fluid")] = ()
 
     @property
     def dim(self) -> int:

@@ -27,8 +27,8 @@ class Friction(Model):
     >>> concrete = Friction(roughness=0.001)
     """
 
-    viscosity: float = Field(1e-6, ge=0, le=1, description="kinematic viscosity of the fluid [m2/s]")
-    roughness: float = Field(0.0, ge=0, description="equivalent height of sand grains on the walls [m]")
+    viscosity: float = Field(default=1e-6, ge=0, le=1, description="kinematic viscosity of the fluid [m2/s]")
+    roughness: float = Field(default=0.0, ge=0, description="equivalent height of sand grains on the walls [m]")
 
     @model_validator(mode="after")
     def _rubs(self) -> "Friction":

@@ -1,18 +1,23 @@
 """The base class of every part of a case: frozen, validated, with clear errors."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
+from typing_extensions import Self
 
 from parisph.base.errors import CaseError
 from parisph.base.text import shown
 from parisph.case import values
-from parisph.case.described import Described
+from parisph.case.described import Described, given
 from parisph.case.faults import explain
 
+_T = TypeVar("_T")
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    Several = Sequence[_T]    # a list may be given
+else:
+    Several = tuple[_T, ...]
 
 
 class Model(BaseModel, metaclass=Described):
@@ -29,7 +34,7 @@ class Model(BaseModel, metaclass=Described):
                               defer_build=True)    # a start uses few of all records
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        names = _positional(type(self))
+        names = list(given(type(self)))
         if len(args) > len(names):
             raise CaseError(
                 f"{type(self).__name__} takes at most {len(names)} values by position ({', '.join(names)}), "
@@ -46,7 +51,7 @@ class Model(BaseModel, metaclass=Described):
 
     # Without this mark pydantic would also call __init__ for nested records, and lose the place of an
     # error inside a stored case.
-    __init__.__pydantic_base_init__ = True
+    setattr(__init__, "__pydantic_base_init__", True)
 
     @model_validator(mode="before")
     @classmethod
@@ -61,7 +66,7 @@ class Model(BaseModel, metaclass=Described):
         return data
 
     @classmethod
-    def model_validate(cls, *args: Any, **kwargs: Any) -> "Self":
+    def model_validate(cls, *args: Any, **kwargs: Any) -> Self:
         """Build from a dictionary. Raises CaseError."""
         try:
             return super().model_validate(*args, **kwargs)
@@ -69,13 +74,9 @@ class Model(BaseModel, metaclass=Described):
             raise CaseError(explain(error, cls)) from None
 
     @classmethod
-    def model_validate_json(cls, *args: Any, **kwargs: Any) -> "Self":
+    def model_validate_json(cls, *args: Any, **kwargs: Any) -> Self:
         """Build from JSON text. Raises CaseError."""
         try:
             return super().model_validate_json(*args, **kwargs)
         except ValidationError as error:
             raise CaseError(explain(error, cls)) from None
-
-
-def _positional(model: type[Model]) -> list[str]:
-    return [name for name in model.model_fields if name != "kind"]

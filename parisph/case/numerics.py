@@ -1,7 +1,7 @@
 """How a scene is computed and what is written: method, resolution, time step, output."""
 
 from collections.abc import Iterable
-from typing import Annotated, Literal, Optional
+from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -9,11 +9,11 @@ from parisph.base import vocabulary
 from parisph.base.fields import FIELDS
 from parisph.base.text import shown
 from parisph.case.methods import METHODS
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.presets import PRESETS
 
-Fraction = Annotated[Optional[float], Field(ge=0, le=1)]
-Distance = Annotated[Optional[float], Field(ge=0, le=2, description="a distance in particle spacings, 0 to 2")]
+Fraction = Annotated[float | None, Field(ge=0, le=1)]
+Distance = Annotated[float | None, Field(ge=0, le=2, description="a distance in particle spacings, 0 to 2")]
 
 # Fields that hold the word of a part, and those that hold several; by the kind of part (base.vocabulary).
 WORDS = {name: name for name in ("laplacian", "divergence", "gradient", "surface_gradient", "wall_rows", "surface_rule",
@@ -76,65 +76,68 @@ class Numerics(Model):
     """
 
     spacing: float = Field(gt=0, description="particle spacing [m]")
-    method: str = Field("ISPH_R", description="name of the method")
-    preset: str = Field("violent", description="name of the preset")
-    time_step: Optional[float] = Field(None, gt=0, description="fixed time step [s], or None to adapt it")
-    cfl: Optional[float] = Field(None, gt=0, le=2,
-                                 description="largest move of a particle in one adaptive step, in spacings")
-    fall: Optional[float] = Field(
-        None, ge=0, le=2,
+    method: str = Field(default="ISPH_R", description="name of the method")
+    preset: str = Field(default="violent", description="name of the preset")
+    time_step: float | None = Field(default=None, gt=0, description="fixed time step [s], or None to adapt it")
+    cfl: float | None = Field(default=None, gt=0, le=2,
+                              description="largest move of a particle in one adaptive step, in spacings")
+    fall: float | None = Field(
+        default=None, ge=0, le=2,
         description="largest adaptive step of moving fluid over sqrt(length/acceleration), 0 for no limit; the length "
                     "is the spacing, or 1/20 of the thickness of the fluid")
-    wave_step: Optional[float] = Field(
-        None, ge=0, le=2, description="largest adaptive step of waves over sqrt(spacing/g), 0 for no limit")
-    max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
-    zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
-    zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
-    residual_strain: Optional[float] = Field(
-        None, ge=0, le=1000, description="part of the residual divergence removed over the strain of a step")
-    volume_time: Optional[float] = Field(
-        None, ge=0, le=10000, description="time over which volume made by residual divergence is given back, "
+    wave_step: float | None = Field(
+        default=None, ge=0, le=2, description="largest adaptive step of waves over sqrt(spacing/g), 0 for no limit")
+    max_time_step: float | None = Field(default=None, gt=0, description="upper limit of an adaptive step [s]")
+    zeta_time: float | None = Field(default=None, ge=0, description="relaxation time of the divergence [s], 0 for none")
+    zeta: float | None = Field(default=None, gt=0, le=2, description="weight of the divergence in the source")
+    residual_strain: float | None = Field(
+        default=None, ge=0, le=1000, description="part of the residual divergence removed over the strain of a step")
+    volume_time: float | None = Field(
+        default=None, ge=0, le=10000, description="time over which volume made by residual divergence is given back, "
                                           "over sqrt(spacing/g), 0 for never")
     gamma: Fraction = None
     strain: Fraction = None
-    kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")
-    shift: Optional[float] = Field(None, ge=0, le=2, description="weight C of the Fick shift")
-    kappa_strain: Optional[float] = Field(None, ge=0, le=1000,
-                                          description="weight of the position projection over the strain of a step")
-    shift_strain: Optional[float] = Field(None, ge=0, le=1000,
-                                          description="weight C of the Fick shift over the strain of a step")
+    kappa: float | None = Field(default=None, ge=0, le=2, description="weight of the position projection")
+    shift: float | None = Field(default=None, ge=0, le=2, description="weight C of the Fick shift")
+    kappa_strain: float | None = Field(default=None, ge=0, le=1000,
+                                       description="weight of the position projection over the strain of a step")
+    shift_strain: float | None = Field(default=None, ge=0, le=1000,
+                                       description="weight C of the Fick shift over the strain of a step")
     filter: Fraction = None
-    filter_strain: Optional[float] = Field(None, ge=0, le=1000,
-                                           description="fraction of roughness removed over the strain of a step")
+    filter_strain: float | None = Field(default=None, ge=0, le=1000,
+                                        description="fraction of roughness removed over the strain of a step")
     collision_distance: Distance = None
     restitution: Fraction = None
     wall_guard: Distance = None
-    laplacian: Optional[str] = Field(None, description="name of the Laplacian")
-    divergence: Optional[str] = Field(None, description="name of the divergence")
-    source: Optional[str] = Field(None, description="name of the pressure equation's source")
-    smagorinsky: float = Field(0.0, ge=0, le=1,
+    laplacian: str | None = Field(default=None, description="name of the Laplacian")
+    divergence: str | None = Field(default=None, description="name of the divergence")
+    source: str | None = Field(default=None, description="name of the pressure equation's source")
+    smagorinsky: float = Field(default=0.0, ge=0, le=1,
                                description="constant C_s of the eddy viscosity (C_s s)^2 |S|, 0 for none")
-    forces: Optional[tuple[str, ...]] = Field(None, description="names of the forces")
-    regularisers: Optional[tuple[str, ...]] = Field(None, description="names of the regularisers, in their order")
-    surface_rule: Optional[str] = Field(None, description="name of the rule that finds the free surface")
-    surface_offset: Optional[float] = Field(None, ge=0, le=1,
-                                            description="distance of p = 0 from full surface particles, in layers")
-    pressure_mean: Optional[float] = Field(
-        None, ge=0, le=100, description="time of the means of pressure probes, over twice that which particles resolve")
-    wall_rows: Optional[str] = Field(None, description="name of the rows of wall particles")
-    gradient: Optional[str] = Field(None, description="name of the pressure gradient")
-    surface_gradient: Optional[str] = Field(None, description="name of the pressure gradient at the surface")
-    stepping: Optional[str] = Field(None, description="name of the stepping in time")
-    rtol: Optional[float] = Field(None, gt=0, lt=1, description="relative tolerance of the pressure solve")
-    equation_of_state: Literal["tait", "linear"] = Field("tait", description="pressure of weakly compressible fluid")
-    sound_speed: Optional[float] = Field(None, gt=0, description="speed of sound of weakly compressible fluid [m/s]")
-    artificial_viscosity: float = Field(0.3, ge=0, le=10,
+    forces: Several[str] | None = Field(default=None, description="names of the forces")
+    regularisers: Several[str] | None = Field(default=None, description="names of the regularisers, in their order")
+    surface_rule: str | None = Field(default=None, description="name of the rule that finds the free surface")
+    surface_offset: float | None = Field(default=None, ge=0, le=1,
+                                         description="distance of p = 0 from full surface particles, in layers")
+    pressure_mean: float | None = Field(
+        default=None, ge=0, le=100,
+        description="time of the means of pressure probes, over twice that which particles resolve")
+    wall_rows: str | None = Field(default=None, description="name of the rows of wall particles")
+    gradient: str | None = Field(default=None, description="name of the pressure gradient")
+    surface_gradient: str | None = Field(default=None, description="name of the pressure gradient at the surface")
+    stepping: str | None = Field(default=None, description="name of the stepping in time")
+    rtol: float | None = Field(default=None, gt=0, lt=1, description="relative tolerance of the pressure solve")
+    equation_of_state: Literal["tait", "linear"] = Field(
+        default="tait", description="pressure of weakly compressible fluid")
+    sound_speed: float | None = Field(
+        default=None, gt=0, description="speed of sound of weakly compressible fluid [m/s]")
+    artificial_viscosity: float = Field(default=0.3, ge=0, le=10,
                                         description="omega of the artificial viscosity of weakly compressible fluid")
-    xsph: float = Field(0.01, ge=0, le=1,
+    xsph: float = Field(default=0.01, ge=0, le=1,
                         description="epsilon of XSPH: how far weakly compressible fluid moves with its neighbours")
-    jitter: float = Field(0.0, ge=0, le=1.2, description="disorder k of the start positions, 0 to 1.2")
-    jitter_surface: bool = Field(False, description="whether particles on the free surface are jittered too")
-    seed: int = Field(0, ge=0, lt=2**63, description="seed of the jitter")
+    jitter: float = Field(default=0.0, ge=0, le=1.2, description="disorder k of the start positions, 0 to 1.2")
+    jitter_surface: bool = Field(default=False, description="whether particles on the free surface are jittered too")
+    seed: int = Field(default=0, ge=0, lt=2**63, description="seed of the jitter")
 
     @field_validator("method")
     @classmethod
@@ -206,13 +209,13 @@ class Output(Model):
     ('u', 'p')
     """
 
-    every: Optional[float] = Field(None, gt=0, description="time between snapshots [s]")
-    times: tuple[Annotated[float, Field(ge=0)], ...] = Field((), description="times of further snapshots [s]")
-    fields: tuple[str, ...] = Field(("u", "p", "role"), description="names of fields in snapshots")
-    checkpoint_every: Optional[float] = Field(None, gt=0, description="simulated time between checkpoints [s]")
-    probe_every: int = Field(1, ge=1, description="steps between samples of the probes")
-    probe_interval: Optional[float] = Field(None, gt=0, description="time between samples of the probes [s]")
-    budget: bool = Field(False, description="whether the energy gained by each part of a step is written")
+    every: float | None = Field(default=None, gt=0, description="time between snapshots [s]")
+    times: Several[Annotated[float, Field(ge=0)]] = Field(default=(), description="times of further snapshots [s]")
+    fields: Several[str] = Field(default=("u", "p", "role"), description="names of fields in snapshots")
+    checkpoint_every: float | None = Field(default=None, gt=0, description="simulated time between checkpoints [s]")
+    probe_every: int = Field(default=1, ge=1, description="steps between samples of the probes")
+    probe_interval: float | None = Field(default=None, gt=0, description="time between samples of the probes [s]")
+    budget: bool = Field(default=False, description="whether the energy gained by each part of a step is written")
 
     @field_validator("fields")
     @classmethod

@@ -17,7 +17,7 @@ from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 from parisph.base import vocabulary
 from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
@@ -82,12 +82,12 @@ class Probe(Measure, Model):
     of_potential: ClassVar[tuple[str, ...]] = ()
 
     name: str = Field(description="name of the probe and of its file")
-    truth: Union[Truth, Peaks, None] = Field(None, kw_only=True)
-    peak: bool = Field(False, kw_only=True, description="whether the flow at the greatest value is kept, in the window "
-                                                        "of its truth")
+    truth: Union[Truth, Peaks, None] = Field(default=None, kw_only=True)
+    peak: bool = Field(default=False, kw_only=True,
+                       description="whether the flow at the greatest value is kept, in the window of its truth")
     arrival: Optional[float] = Field(
-        None, kw_only=True, description="value whose first passing is told in the summary, in the probe's unit")
-    every: int = Field(1, ge=1, kw_only=True,
+        default=None, kw_only=True, description="value whose first passing is told in the summary, in the probe's unit")
+    every: int = Field(default=1, ge=1, kw_only=True,
                        description="how many of the run's samples there are for one of this probe")
 
     @classmethod
@@ -163,8 +163,9 @@ class Unknown(Probe):
 
     model_config = {"extra": "allow"}
 
-    kind: str
-    truth: Union[Truth, WaveTruth, Peaks, None] = None    # type: ignore[assignment]    # as of a SurfaceGauge, too
+    kind: str = Field(init=False)
+    truth: Union[Truth, WaveTruth, Peaks, None] = Field(    # type: ignore[assignment]    # as of a SurfaceGauge, too
+        default=None, kw_only=True)
 
 
 class OfPressure(Probe):
@@ -174,7 +175,7 @@ class OfPressure(Probe):
     """
 
     acted: bool = Field(
-        False, kw_only=True, description="whether the pressure that acts in the step is given beside its mean")
+        default=False, kw_only=True, description="whether the pressure that acts in the step is given beside its mean")
 
 
 class Gauge(Probe):
@@ -278,11 +279,11 @@ class ProbeArray(Probe):
     ['x1', 'x2', 'x3']
     """
 
-    kind: Literal["probe_array"] = "probe_array"
-    probes: tuple[AnyProbe, ...] = Field(min_length=1, max_length=1000, description="probes")
-    truth: Optional[Profiles] = None    # type: ignore[assignment]    # in place of a series
-    peak: Literal[False] = False
-    arrival: None = None
+    kind: Literal["probe_array"] = Field(default="probe_array", init=False)
+    probes: Several[AnyProbe] = Field(min_length=1, max_length=1000, description="probes")
+    truth: Optional[Profiles] = Field(default=None, kw_only=True)    # type: ignore[assignment]    # in place of a series
+    peak: Literal[False] = Field(default=False, kw_only=True)
+    arrival: None = Field(default=None, kw_only=True)
 
     @model_validator(mode="after")
     def _plain(self) -> "ProbeArray":

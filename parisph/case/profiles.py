@@ -1,7 +1,6 @@
 """Profiles of the surface, measured or computed elsewhere, as the truth of an array of gauges."""
 
 import math
-from typing import Optional
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,7 +9,7 @@ from parisph.base import reading
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.truths import each_named
 
 MOST = 1000    # profiles in a file
@@ -49,13 +48,13 @@ class Profiles(Model):
     scale: float = 1.0
     x_offset: float = 0.0
     x_scale: float = 1.0
-    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
+    time_scale: float = Field(default=1.0, gt=0, description="seconds for one unit of the time column")
     wave: bool = False
-    rows: dict[str, str] = Field({}, description="words that lines have in columns")
+    rows: dict[str, str] = Field(default={}, description="words that lines have in columns")
     name: str = ""
     note: str = ""
-    published: dict[str, float] = Field({}, description="relative errors of others")
-    others: tuple["Profiles", ...] = ()
+    published: dict[str, float] = Field(default={}, description="relative errors of others")
+    others: Several["Profiles"] = ()
 
     @model_validator(mode="after")
     def _others_have_names(self) -> "Profiles":
@@ -88,7 +87,7 @@ def read_profiles(truth: Profiles) -> list[tuple[float, Floats, Floats]]:
             for t, part in parts]
 
 
-def height(x: Floats, y: Floats, at: float) -> Optional[float]:
+def height(x: Floats, y: Floats, at: float) -> float | None:
     """Return the height [m] of the upper surface of a profile at a place [m], None beyond its ends.
 
     x, y : (n,) points along the surface [m], joined by straight lines, which may overturn

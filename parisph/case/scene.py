@@ -1,6 +1,7 @@
 """The fields of a case, each valid by itself, and what follows from them alone. Checks of the whole need no more."""
 
-from typing import Annotated, Any, Optional, Union
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Union
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, field_validator
@@ -8,13 +9,13 @@ from pydantic import Discriminator, Field, Tag, field_validator
 from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
-from parisph.case.absorb import Absorber, AnyZone
+from parisph.case.absorb import Absorber, AnyZone, Zone
 from parisph.case.bodies import Body, Flap, Piston, StillWater, Walls, motion_of
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import Fluid
 from parisph.case.friction import Friction
 from parisph.case.lattice import FIT
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
@@ -27,26 +28,33 @@ def _how_many(value: Any) -> str:
 
 Fluids = Annotated[
     Union[Annotated[Fluid, Tag("one")],
-          Annotated[tuple[Fluid, ...], Field(min_length=1, max_length=100), Tag("several")]], Discriminator(_how_many)]
+          Annotated[Several[Fluid], Field(min_length=1, max_length=100), Tag("several")]], Discriminator(_how_many)]
+
+if TYPE_CHECKING:
+    Zones = Union[AnyZone, Sequence[AnyZone]]    # one may be given by itself
+else:
+    Zones = tuple[AnyZone, ...]
 
 
 class Scene(Model):
     """The fields of a Case, where they are described, and what follows from them."""
 
     title: str = Field(min_length=1, max_length=200, description="one line for people")
-    source: str = Field("", max_length=200, description="where the scene is from, such as a paper and its figures")
-    fluid: Fluids = Field(description="a Fluid, or several")
-    walls: Optional[Walls] = Field(None, description="a Tank or another body, or several")
+    source: str = Field(default="", max_length=200, description="where the scene is from, such as a paper")
+    fluid: Fluids = Field(kw_only=True, description="a Fluid, or several")
+    walls: Walls | None = Field(default=None, kw_only=True, description="a Tank or another body, or several")
     gravity: tuple[Union[float, str], ...] = Field(
-        description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
-    frame: Frame = AtRest()
-    absorb: tuple[AnyZone, ...] = ()
-    friction: Optional[Friction] = Field(None, description="friction of turbulent flow on walls, or None")
-    numerics: Numerics
-    output: Output = Output()
-    probes: tuple[AnyProbe, ...] = ()
-    end_time: float = Field(gt=0, description="end of the run [s]")
-    asked: Optional[Numerics] = Field(None, description="the numerics as they were asked for, in a stored case")
+        kw_only=True, description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
+    frame: Frame = Field(default=AtRest(), kw_only=True)
+    absorb: Zones = Field(default=(), kw_only=True)
+    friction: Friction | None = Field(default=None, kw_only=True,
+                                      description="friction of turbulent flow on walls, or None")
+    numerics: Numerics = Field(kw_only=True)
+    output: Output = Field(default=Output(), kw_only=True)
+    probes: Several[AnyProbe] = Field(default=(), kw_only=True)
+    end_time: float = Field(kw_only=True, gt=0, description="end of the run [s]")
+    asked: Numerics | None = Field(default=None, kw_only=True,
+                                   description="the numerics as they were asked for, in a stored case")
 
     @field_validator("absorb", mode="before")
     @classmethod
@@ -84,22 +92,27 @@ class Scene(Model):
     @property
     def fluids(self) -> tuple[Fluid, ...]:
         """All bodies of fluid."""
-        return self.fluid if isinstance(self.fluid, tuple) else (self.fluid,)
+        return (self.fluid,) if isinstance(self.fluid, Fluid) else tuple(self.fluid)
+
+    @property
+    def zones(self) -> tuple[AnyZone, ...]:
+        """All zones that absorb waves: Sponge and Relaxation."""
+        return (self.absorb,) if isinstance(self.absorb, Zone) else tuple(self.absorb)
 
     @property
     def bodies(self) -> tuple[Body, ...]:
         """All walls: Tank, Profile, Obstacle, Plate, Piston and Flap."""
         if self.walls is None:
             return ()
-        return self.walls if isinstance(self.walls, tuple) else (self.walls,)
+        return tuple(self.walls) if isinstance(self.walls, Sequence) else (self.walls,)
 
     @property
-    def tank(self) -> Optional[Tank]:
+    def tank(self) -> Tank | None:
         """The first Tank, or None."""
         return next((body for body in self.bodies if isinstance(body, Tank)), None)
 
     @property
-    def lone_tank(self) -> Optional[Tank]:
+    def lone_tank(self) -> Tank | None:
         """The Tank if it is the only wall and rests in the frame of the scene, or None."""
         alone = self.tank is not None and len(self.bodies) == 1 and isinstance(self.tank.motion, AtRest)
         return self.tank if alone else None
@@ -120,7 +133,7 @@ class Scene(Model):
         return self.fluids[0].viscosity
 
     @property
-    def wall_bounds(self) -> Optional[tuple[Floats, Floats]]:
+    def wall_bounds(self) -> tuple[Floats, Floats] | None:
         """Lower and upper corner of the box around all walls but wavemakers, (dim,) each [m], or None."""
         boxes = [body.bounds for body in self.bodies if not isinstance(body, (Piston, Flap))]
         if not boxes:
@@ -189,17 +202,17 @@ class Scene(Model):
         A uniform, constant force does not change its energy, because its potential energy is counted.
         """
         moving = any(not isinstance(motion_of(body), AtRest) for body in self.bodies)
-        return moving or bool(self.absorb) or self.constant_force is None
+        return moving or bool(self.zones) or self.constant_force is None
 
     @property
-    def absorber(self) -> Optional[Absorber]:
+    def absorber(self) -> Absorber | None:
         """What zones that absorb waves do to water, or None."""
-        if not self.absorb or self.wall_bounds is None:
+        if not self.zones or self.wall_bounds is None:
             return None
         lower, upper = self.fluid_bounds
         level = float(upper[-1])
         g = float(np.linalg.norm(self.body_force(np.array([upper], dtype=float), 0.0)))
-        return Absorber(self.absorb, self.ends, level, level - float(lower[-1]), g)
+        return Absorber(self.zones, self.ends, level, level - float(lower[-1]), g)
 
     def body_force(self, x: Floats, t: float) -> Floats:
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity and what its motion adds.
@@ -213,7 +226,7 @@ class Scene(Model):
         return force
 
     @property
-    def constant_force(self) -> Optional[Floats]:
+    def constant_force(self) -> Floats | None:
         """The body force (dim,) [m/s2] if it is the same at every place and time, as in a tank at rest, else None."""
         return uniform_field(self.gravity) if isinstance(self.frame, AtRest) else None
 
@@ -226,7 +239,7 @@ class Scene(Model):
     def physics(self) -> frozenset[str]:
         """What the scene has that some forces are for, words of vocabulary.PHYSICS."""
         has = {"viscous": self.viscosity > 0.0 or self.numerics.smagorinsky > 0.0, "turning": self.turns,
-               "absorbing": bool(self.absorb), "friction": self.friction is not None}
+               "absorbing": bool(self.zones), "friction": self.friction is not None}
         return frozenset(word for word in vocabulary.PHYSICS if has[word])
 
     @property

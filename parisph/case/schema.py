@@ -81,7 +81,7 @@ class Case(Scene):
     def of(self, origin: Mapping[str, Any]) -> "Case":
         """Return the same case with this origin."""
         case = self.model_copy()
-        case._origin = Origin(origin)
+        setattr(case, "_origin", Origin(origin))    # for type checkers a record is frozen
         return case
 
     @model_validator(mode="after")

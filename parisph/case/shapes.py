@@ -1,12 +1,13 @@
 """The shapes of a scene, and the tank."""
 
+from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal, Union
 
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator
 
 from parisph.base.arrays import Flags, Floats
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest
 
 
@@ -35,7 +36,7 @@ class Box(Model):
     1.0
     """
 
-    kind: Literal["box"] = "box"
+    kind: Literal["box"] = Field(default="box", init=False)
     width: Length
     height: Length
     at: Point = (0.0, 0.0)
@@ -72,7 +73,7 @@ class Disc(Model):
     0.7854 m2
     """
 
-    kind: Literal["disc"] = "disc"
+    kind: Literal["disc"] = Field(default="disc", init=False)
     radius: Length
     at: Point = (0.0, 0.0)
     edges: ClassVar[int] = 1
@@ -103,8 +104,8 @@ class Polygon(Model):
     0.25
     """
 
-    kind: Literal["polygon"] = "polygon"
-    points: Annotated[tuple[tuple[float, ...], ...], Field(
+    kind: Literal["polygon"] = Field(default="polygon", init=False)
+    points: Annotated[Several[tuple[float, ...]], Field(
         min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
 
     @field_validator("points")
@@ -146,7 +147,7 @@ class Polygon(Model):
         return crossings | near
 
 
-def _area(points: tuple[tuple[float, ...], ...]) -> float:
+def _area(points: Sequence[Sequence[float]]) -> float:
     x, y = np.array(points).T
     x, y = x - x[0], y - y[0]    # far from the origin the products would cancel
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
@@ -181,13 +182,13 @@ class Tank(Model):
     ('bottom',)
     """
 
-    kind: Literal["tank"] = "tank"
+    kind: Literal["tank"] = Field(default="tank", init=False)
     width: Length
     height: Length
-    lid: Union[bool, Lid] = Field(False, description="whether the tank has a lid, or a Lid that moves")
+    lid: Union[bool, Lid] = Field(default=False, description="whether the tank has a lid, or a Lid that moves")
     at: Point = (0.0, 0.0)
     no_slip: Union[bool, tuple[Literal["left", "right", "bottom", "top"], ...]] = Field(
-        False, description="whether fluid sticks to all walls, or the names of those to which it sticks")
+        default=False, description="whether fluid sticks to all walls, or the names of those to which it sticks")
     name: Name = ""
     motion: AnyMotion = AtRest()
 

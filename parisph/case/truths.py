@@ -1,7 +1,7 @@
 """References that a probe is compared with: series of files, waves, and bands of measured peaks."""
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Optional
+from typing import Annotated
 
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
@@ -10,7 +10,7 @@ from parisph.base import reading
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.values import LARGEST
 from parisph.case.waves import AnyWave
 
@@ -32,11 +32,11 @@ class PeakBand(Model):
 
     start: float = Field(description="start of the interval of time [s]")
     end: float = Field(description="end of the interval of time [s]")
-    low: Optional[float] = Field(None, description="lower end of the band [unit of the probe]")
-    high: Optional[float] = Field(None, description="upper end of the band [unit of the probe]")
-    smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean of the run [s]")
-    when: Optional[float] = Field(None, description="time of the greatest value [s]")
-    level: float = Field(0.0, description="level at rest, from which values count [unit of the probe]")
+    low: float | None = Field(default=None, description="lower end of the band [unit of the probe]")
+    high: float | None = Field(default=None, description="upper end of the band [unit of the probe]")
+    smooth: float | None = Field(default=None, gt=0, description="width of the moving mean of the run [s]")
+    when: float | None = Field(default=None, description="time of the greatest value [s]")
+    level: float = Field(default=0.0, description="level at rest, from which values count [unit of the probe]")
 
     @model_validator(mode="after")
     def _in_order(self) -> "PeakBand":
@@ -66,18 +66,18 @@ class Peaks(Model):
     0.36
     """
 
-    bands: tuple[PeakBand, ...] = Field(min_length=1, max_length=100, description="bands of greatest values")
+    bands: Several[PeakBand] = Field(min_length=1, max_length=100, description="bands of greatest values")
     name: str = ""
     note: str = ""
 
 
-def _one_window(window: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
+def _one_window(window: tuple[float, float] | None) -> tuple[float, float] | None:
     if window is not None and not window[0] < window[1]:
         raise ValueError(f"window = {window}: must end after its start")
     return window
 
 
-Window = Annotated[Optional[tuple[float, float]], Field(description="start and end of what is compared [s]"),
+Window = Annotated[tuple[float, float] | None, Field(description="start and end of what is compared [s]"),
                    AfterValidator(_one_window)]
 
 
@@ -123,16 +123,16 @@ class Truth(Model):
     value: str
     offset: float = 0.0
     scale: float = 1.0
-    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
+    time_scale: float = Field(default=1.0, gt=0, description="seconds for one unit of the time column")
     wave: bool = False
-    rows: dict[str, str] = Field({}, description="words that lines have in columns")
+    rows: dict[str, str] = Field(default={}, description="words that lines have in columns")
     window: Window = None
-    smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean [s]")
+    smooth: float | None = Field(default=None, gt=0, description="width of the moving mean [s]")
     name: str = ""
     note: str = ""
-    published: dict[str, float] = Field({}, description="relative errors of others")
-    peaks: tuple[PeakBand, ...] = ()
-    others: tuple["Truth", ...] = ()
+    published: dict[str, float] = Field(default={}, description="relative errors of others")
+    peaks: Several[PeakBand] = ()
+    others: Several["Truth"] = ()
 
     @model_validator(mode="after")
     def _others_have_names(self) -> "Truth":
@@ -163,12 +163,12 @@ class WaveTruth(Model):
         return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
 
 
-def bands_of(truth: Optional[Model]) -> tuple[PeakBand, ...]:
+def bands_of(truth: Model | None) -> Sequence[PeakBand]:
     """Return the bands of the greatest values that a truth has; truth : of a probe, or None."""
     return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
 
 
-def intervals(truth: Optional[Model]) -> tuple[tuple[float, float], ...]:
+def intervals(truth: Model | None) -> tuple[tuple[float, float], ...]:
     """Return the intervals (start, end) [s] in which the greatest values of a probe count; () for all of the run.
 
     truth : of the probe, or None. They are those of its bands, or else its window.

@@ -72,7 +72,7 @@ def waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
         made = _made_by(body, case)
         if made is not None:
             yield f"walls, {name}: motion", made
-    for number, zone in enumerate(case.absorb):
+    for number, zone in enumerate(case.zones):
         if isinstance(zone, absorb.Relaxation):
             yield f"absorb[{number}].wave", zone.wave
 

@@ -215,12 +215,12 @@ def of_gauges(case: Case, run: Run) -> list[str]:
     Those are waves of a start that nothing drives or damps, and those of a body that moves or a zone with a zone behind
     them that takes them up.
     """
-    if case.constant_force is None or case.viscosity or case.friction is not None or bool(case.absorb) != _makes(case):
+    if case.constant_force is None or case.viscosity or case.friction is not None or bool(case.zones) != _makes(case):
         return []
     found = []
     for probe in case.probes:
         if isinstance(probe, Gauge) and probe.of_surface and not any(
-                zone.start <= probe.at <= zone.end for zone in case.absorb):
+                zone.start <= probe.at <= zone.end for zone in case.zones):
             series = run.probe(probe.name)
             found.append((*_uneven(series["time"], series["y"], case.numerics.spacing), probe.name))
     share, when, name = max(found, key=lambda one: abs(one[0]), default=(0.0, 0.0, ""))
@@ -264,7 +264,7 @@ def _uneven(time: Floats, y: Floats, spacing: float) -> tuple[float, float]:
 
 def _makes(case: Case) -> bool:
     """Return whether a body or a zone of the case makes waves."""
-    return any(getattr(zone, "wave", None) is not None for zone in case.absorb) or any(
+    return any(getattr(zone, "wave", None) is not None for zone in case.zones) or any(
         not isinstance(motion_of(body), AtRest) for body in case.bodies)
 
 

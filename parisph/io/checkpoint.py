@@ -18,6 +18,7 @@ from typing import Any, Protocol
 import h5py
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import CORE
@@ -38,7 +39,7 @@ _NAME = re.compile(r"([0-9]{8}|[1-9][0-9]{8,})\.h5")    # as `write` names them;
 class Share:
     """This rank's share of a flow: {field: rows [offset, offset + n)}, of `total` rows of all ranks."""
 
-    arrays: dict[str, np.ndarray]
+    arrays: dict[str, Array]
     offset: int
     total: int
 
@@ -64,7 +65,7 @@ class Checkpoint:
     case: str
     state: dict[str, Any]
     dim: int
-    arrays: dict[str, np.ndarray]
+    arrays: dict[str, Array]
     offset: int
     total: int
     flows: Sequence[Share] = ()
@@ -73,7 +74,7 @@ class Checkpoint:
 class EarlierFlow(Protocol):
     """Particles of an earlier flow: fields `arrays`, of which this rank has the rows from `offset` on."""
 
-    arrays: dict[str, np.ndarray]
+    arrays: dict[str, Array]
     offset: int
     n_global: int
 
@@ -112,7 +113,7 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
     arrays += [Slab(f"flows/{number}/{name}", np.ascontiguousarray(data), flow.offset, flow.n_global)
                for number, flow in enumerate(flows) for name, data in flow.arrays.items()]
 
-    def decorate(file):
+    def decorate(file: h5py.File) -> None:
         file.attrs.update({
             **attributes, "format": FORMAT, "version": VERSION, "time": float(time), "step": int(step),
             "dt": float(dt), "dim": particles.dim, "particles": total, "ranks": comm.size,
@@ -141,7 +142,7 @@ def read(comm: Communicator, path: AnyPath) -> Checkpoint:
         raise StoreError(f"{error}{_advice(comm, path)}") from None
 
 
-def _read(comm, path):
+def _read(comm: Communicator, path: Path) -> Checkpoint:
     early = comm.bcast(_is_early(path) if comm.rank == 0 else None)
     digest.check_together(comm, path, early)
     loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size, early))
@@ -155,7 +156,7 @@ def paths(folder: AnyPath) -> list[Path]:
                   key=lambda path: int(path.stem))
 
 
-def _advice(comm, damaged):
+def _advice(comm: Communicator, damaged: Path) -> str:
     """Return how to continue without this checkpoint, as the end of a message; "" if no other is sound. Collective."""
     there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name]
                        if comm.rank == 0 else None)
@@ -166,7 +167,7 @@ def _advice(comm, damaged):
     return f"; the newest sound one beside it is {sound}: parisph restart {sound}{place}"
 
 
-def _is_sound(comm, path):
+def _is_sound(comm: Communicator, path: Path) -> bool:
     """Return whether a checkpoint can be read. Collective."""
     try:
         _read(comm, path)
@@ -175,12 +176,12 @@ def _is_sound(comm, path):
     return True
 
 
-def _is_early(path):
+def _is_early(path: Path) -> bool:
     """Return whether a checkpoint is beside the case of a run without an identity, whose files may have no digest."""
     return _identity_beside(path) == ""
 
 
-def _read_share(path, rank, size, early):
+def _read_share(path: Path, rank: int, size: int, early: bool) -> Checkpoint:
     """Return a Checkpoint with the share of one rank. The digest must have been checked before. Not collective."""
     try:
         with h5py.File(path, "r") as file:
@@ -202,13 +203,13 @@ def _read_share(path, rank, size, early):
         raise StoreError(f"{path} is not a whole checkpoint of parisph: {error}") from None
 
 
-def _share_of(flow, rank, size):
+def _share_of(flow: h5py.Group, rank: int, size: int) -> Share:
     total = len(flow["x"])
     first, last = _share(total, rank, size)
     return Share({name: data[first:last] for name, data in flow.items()}, first, total)
 
 
-def _check_format(path, file):
+def _check_format(path: Path, file: h5py.File) -> None:
     if file.attrs.get("format") != FORMAT:
         raise StoreError(f"{path} is an HDF5 file, but not a checkpoint of parisph")
     if int(file.attrs["version"]) not in range(1, VERSION + 1):
@@ -216,7 +217,7 @@ def _check_format(path, file):
                          f"{VERSION}: it was written by a newer parisph, so update parisph")
 
 
-def _check_fields(path, particles):
+def _check_fields(path: Path, particles: h5py.Group) -> None:
     # others have a default: an older file lacks the fields of newer parts
     missing = [name for name in CORE if name not in particles]
     if missing == ["volume"]:
@@ -228,14 +229,14 @@ def _check_fields(path, particles):
                          "restart it with the version that wrote it (its parisph_version says which)")
 
 
-def _share(total, rank, size):
+def _share(total: int, rank: int, size: int) -> tuple[int, int]:
     """Return the first row of a rank and one past its last; the first ranks may have one row more."""
     length, longer = divmod(total, size)
     first = rank * length + min(rank, longer)
     return first, first + length + (rank < longer)
 
 
-def _check_place(path, loaded):
+def _check_place(path: Path, loaded: Checkpoint) -> None:
     """Raise StoreError if a sound checkpoint has the name of another step, or is in the folder of another run."""
     if _NAME.fullmatch(path.name) and int(path.stem) != loaded.step:
         raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, "
@@ -245,7 +246,7 @@ def _check_place(path, loaded):
         raise StoreError(f"{path} is of another run than its folder: it has been copied there")
 
 
-def _identity_beside(path):
+def _identity_beside(path: Path) -> str | None:
     """Return the identity of the run in whose folder a checkpoint is, "" if it has none, None if there is no run.
 
     What is wrong with case.json is said by those who read it.
@@ -257,13 +258,13 @@ def _identity_beside(path):
         return None
 
 
-def _remove(folder, names):
+def _remove(folder: AnyPath, names: Sequence[str]) -> None:
     for name in names:
         if _NAME.fullmatch(name):    # the list comes from a file
             (Path(folder) / name).unlink(missing_ok=True)
 
 
-def _plain_number(value):
+def _plain_number(value: Any) -> Any:
     """JSON for numpy's numbers and arrays in the state."""
     if hasattr(value, "tolist"):
         return value.tolist()

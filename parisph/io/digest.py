@@ -17,6 +17,7 @@ import hashlib
 import os
 import re
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 
 from parisph.base.communicator import Communicator
@@ -39,7 +40,7 @@ def append(comm: Communicator, path: Path, doing: str | None = None) -> None:
     length = comm.bcast(on_first(comm, doing, lambda: Path(path).stat().st_size))
     line = _line_of_all(comm, path, length, doing)
 
-    def write():
+    def write() -> None:
         with open(path, "ab") as file:
             file.write(line)
     on_first(comm, doing, write)
@@ -62,7 +63,8 @@ def check(path: Path, early: bool = False) -> None:
 
 def check_together(comm: Communicator, path: Path, early: bool = False) -> None:
     """Do `check` with the work shared among the ranks; raises StoreError on every rank. Collective."""
-    length, line, problem = 0, b"", None
+    length, line = 0, b""
+    problem: str | None = None
     if comm.rank == 0:
         try:
             length, line = _ending(path, early)
@@ -76,7 +78,7 @@ def check_together(comm: Communicator, path: Path, early: bool = False) -> None:
     _compare(path, line, _line_of_all(comm, path, length, f"read {path}"))
 
 
-def _line_of_all(comm, path, length, doing):
+def _line_of_all(comm: Communicator, path: Path, length: int, doing: str) -> bytes:
     """Return the digest line for the first `length` bytes of a file, on every rank. Collective."""
     own = together(comm, doing, lambda: _chunks(path, length, comm.rank, comm.size))
     shares = comm.allgather(own)
@@ -84,7 +86,7 @@ def _line_of_all(comm, path, length, doing):
     return _line(length, [shares[number % comm.size][number // comm.size] for number in range(count)])
 
 
-def _chunks(path, length, rank=0, size=1):
+def _chunks(path: Path, length: int, rank: int = 0, size: int = 1) -> list[bytes]:
     """Return the digests of chunks rank, rank + size, ... of the first `length` bytes of a file. Raises OSError."""
     numbers = range(rank, -(-length // CHUNK), size)
     if not numbers:
@@ -99,12 +101,12 @@ def _chunks(path, length, rank=0, size=1):
     return found
 
 
-def _line(length, digests):
+def _line(length: int, digests: Sequence[bytes]) -> bytes:
     digest = hashlib.sha256(b"%d " % length + b"".join(digests)).hexdigest()
     return b"\nparisph digest %d %020d %s\n" % (VERSION, length, digest.encode())
 
 
-def _ending(path, early):
+def _ending(path: Path, early: bool) -> tuple[int, bytes]:
     """Return (number of bytes before the digest line, the line) of a file.
 
     Raises StoreError if it has no such line; of an early run, the line is then empty.
@@ -133,6 +135,6 @@ def _ending(path, early):
     return length, line
 
 
-def _compare(path, found, expected):
+def _compare(path: Path, found: bytes, expected: bytes) -> None:
     if found != expected:
         raise StoreError(f"{path} is damaged: its content does not match the digest at its end")

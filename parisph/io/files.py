@@ -12,7 +12,7 @@ import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError, agree
@@ -30,7 +30,8 @@ def together(comm: Communicator, doing: str, action: Callable[[], Result]) -> Re
     StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
     Any other exception is also raised on all ranks (errors.agree), so that no rank waits forever.
     """
-    result, problem = None, None
+    result: Result | None = None
+    problem: Exception | None = None
     try:
         result = action()
     except (OSError, RuntimeError) as error:  # h5py reports a failed close as a RuntimeError
@@ -39,7 +40,7 @@ def together(comm: Communicator, doing: str, action: Callable[[], Result]) -> Re
     except Exception as error:
         problem = error
     agree(comm, problem)
-    return result
+    return cast(Result, result)
 
 
 def on_first(comm: Communicator, doing: str, action: Callable[[], Result]) -> Result | None:
@@ -127,7 +128,7 @@ def write_json(path: Path, content: Any) -> None:
     write_text(path, json.dumps(with_digest(plain(content)), indent=2) + "\n")
 
 
-def read_json(path: Path, needs_digest: bool = False) -> dict:
+def read_json(path: Path, needs_digest: bool = False) -> dict[str, Any]:
     """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError.
 
     needs_digest : whether a file without a digest is refused, as only parisph writes it; users may edit others
@@ -174,7 +175,7 @@ def plain(content: Any) -> Any:
     return content
 
 
-def _sync(path):
+def _sync(path: Path) -> None:
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)

@@ -8,8 +8,9 @@ import math
 import os
 import re
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.json_digest import KEY
@@ -23,11 +24,11 @@ def content(folder: Path) -> list[str]:
     return [name for name in (*FILES, *FOLDERS, PEAKS) if _is_used(folder / name)]
 
 
-def _is_used(path):
+def _is_used(path: Path) -> bool:
     return path.is_symlink() or (any(path.iterdir()) if path.is_dir() else path.exists())
 
 
-def check_free(folder: Path, given: str | os.PathLike | None = None, movable: bool = True) -> None:
+def check_free(folder: Path, given: str | os.PathLike[str] | None = None, movable: bool = True) -> None:
     """Raise CaseError if a folder holds a run, or anything else that a new run would write to.
 
     given : the folder as the user named it; movable : whether the command has --overwrite; both for the message
@@ -43,7 +44,7 @@ def check_free(folder: Path, given: str | os.PathLike | None = None, movable: bo
 
 def make(folder: Path) -> list[Path]:
     """Make a folder and its parents, all or none; return the new ones, the innermost first."""
-    made = []
+    made: list[Path] = []
     for place in reversed([place for place in (folder, *folder.parents) if not place.is_dir()]):
         try:
             place.mkdir()
@@ -87,7 +88,7 @@ def prepare(folder: Path, series: Iterable[str] = ()) -> None:
                 path.unlink()
 
 
-def _check_log(path):
+def _check_log(path: Path) -> None:
     """Raise StoreError if the log cannot be continued: it is a link, or no file."""
     if path.is_symlink() or (path.exists() and not path.is_file()):
         what = "a symbolic link" if path.is_symlink() else "not a regular file"
@@ -95,7 +96,7 @@ def _check_log(path):
                          "move it away")
 
 
-def _half_written(series):
+def _half_written(series: Iterable[str]) -> dict[str, re.Pattern[str]]:
     """Return {folder inside that of a run: pattern of the temporary names that a killed process leaves there}.
 
     No other file matches.
@@ -119,7 +120,7 @@ def make_inside(place: Path) -> None:
     place.mkdir(parents=True, exist_ok=True)
 
 
-def _refuse_link(place, inside=True):
+def _refuse_link(place: Path, inside: bool = True) -> None:
     if inside and place.is_symlink():
         raise StoreError(f"{place} is a symbolic link, and parisph writes only inside the folder of the run: "
                          "put a real folder in its place, or choose another folder with -o")
@@ -153,7 +154,7 @@ def digests(folder: Path, names: Iterable[str]) -> dict[str, str]:
     return {name: digest(folder / name) for name in names if (folder / name).is_file()}
 
 
-def summary(folder: Path) -> dict | None:
+def summary(folder: Path) -> dict[str, Any] | None:
     """Return the content of summary.json, None where there is none or it is damaged: a restart writes another one."""
     try:
         return read_json(folder / "summary.json")
@@ -161,7 +162,7 @@ def summary(folder: Path) -> dict | None:
         return None
 
 
-def check_unchanged(path: Path, summary: dict | None, name: str) -> None:
+def check_unchanged(path: Path, summary: dict[str, Any] | None, name: str) -> None:
     """Raise StoreError if a file has changed since the summary of its run was written.
 
     Without a summary nothing is checked.
@@ -207,7 +208,7 @@ def move_run_aside(folder: Path) -> Path | None:
     return place
 
 
-def _free(first, numbered):
+def _free(first: Path, numbered: Callable[[int], Path]) -> Path:
     number, place = 1, first
     while place.exists() or place.is_symlink():
         number += 1

@@ -1,7 +1,7 @@
 """The table at the end of a run, and the text of `parisph info`. Not collective."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from parisph.base.errors import StoreError
@@ -63,18 +63,18 @@ def provenance(run: Run) -> str:
     return "\n".join(_plain(lines))
 
 
-def _results(run):
+def _results(run: Run) -> list[str]:
     """Return the table of the summary of a Run.
 
     Raises StoreError if an entry is not of the kind that parisph writes.
     """
     try:
-        return table(run.summary)
+        return table(run.summary or {})
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
         raise StoreError(f"{run.folder / 'summary.json'} is damaged: its entries are not those of a summary") from None
 
 
-def _plain(entries):
+def _plain(entries: Iterable[str]) -> list[str]:
     """Return texts whose control characters are escaped and whose further lines are indented.
 
     A run's files may come from anybody.
@@ -82,7 +82,7 @@ def _plain(entries):
     return [plain_lines(entry, indent=4 * " ") for entry in entries]
 
 
-def _entries(summary):
+def _entries(summary: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     get = summary.get
     yield "status", get("status")
     for warning in get("warnings") or ():
@@ -118,7 +118,7 @@ def _entries(summary):
     yield from _of_probes(get)
 
 
-def _of_probes(get):
+def _of_probes(get: Callable[[str], Any]) -> Iterator[tuple[str, Any]]:
     """Yield what a summary says of single probes."""
     peaks = get("peaks") or {}
     for probe, time in (get("arrivals") or {}).items():
@@ -141,11 +141,11 @@ def _of_probes(get):
             yield f"error of {probe}", str(error)
 
 
-def _number(value, form, unit=""):
+def _number(value: float | None, form: str, unit: str = "") -> str | None:
     return None if value is None else format(value, form) + unit
 
 
-def _drift(end, extremes):
+def _drift(end: float | None, extremes: Any) -> str | None:
     """A change from start to end, and its extremes on the way."""
     text = _number(end, "+.2%")
     if not isinstance(extremes, dict):
@@ -154,7 +154,7 @@ def _drift(end, extremes):
             f"highest {extremes['high']:+.2%} at {extremes['high_time']:.4g} s)")
 
 
-def _short(found, unit):
+def _short(found: Mapping[str, Any], unit: str) -> str:
     """A peak that is not resolved, and the greatest one that is."""
     lasting = found.get("lasting")
     text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts {1e3 * found['lasts']:.2g} ms only, and "
@@ -163,7 +163,7 @@ def _short(found, unit):
                    if lasting else "")
 
 
-def _passed(found):
+def _passed(found: Mapping[str, Any]) -> str:
     """The water that has passed a line, and its events."""
     text, events = f"{found['total']:.4g} m2 of water", found.get("events")
     if events:
@@ -173,7 +173,7 @@ def _passed(found):
     return text
 
 
-def _reflection(found):
+def _reflection(found: Mapping[str, Any] | None) -> str | None:
     """The waves of a flume, as two or three gauges tell them."""
     if not found or "reason" in found:
         return f"not known: {found['reason']}" if found else None
@@ -183,7 +183,7 @@ def _reflection(found):
             f"{found['incident']:.4g} m, at {', '.join(found['probes'])} (residual {found['residual']:.2g})")
 
 
-def _motion(energy):
+def _motion(energy: Any) -> str | None:
     """The energy of waves and flow, without that of the water at rest."""
     if not isinstance(energy, dict):
         return None

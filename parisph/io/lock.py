@@ -12,12 +12,15 @@ import socket
 import time
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from parisph.base.errors import StoreError
 from parisph.io.files import create
 
 NAME = "run.lock"
 BEAT = 10.0    # [s] between two signs of life
+
+Found: TypeAlias = dict[str, Any]    # what a lock says
 
 
 class Lock:
@@ -65,7 +68,7 @@ class Lock:
             if (_read(self.path) or {}).get("token") == self._mine["token"]:
                 self.path.unlink()
 
-    def _take(self):
+    def _take(self) -> bool:
         try:
             handle = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o644)
         except FileExistsError:
@@ -79,7 +82,7 @@ class Lock:
             raise
         return True
 
-    def _clear(self, force):
+    def _clear(self, force: bool) -> None:
         """Remove a lock whose process has ended, or any lock if `force`.
 
         Raises StoreError if its process still runs.
@@ -99,7 +102,7 @@ class Lock:
                     os.link(aside, self.path)
             aside.unlink()
 
-    def _refusal(self, found, alive):
+    def _refusal(self, found: Found, alive: bool | None) -> str:
         folder = self.path.parent
         if alive:
             return f"{folder} is in use by {_words(found)}, which still runs: wait for it to end, or stop it"
@@ -110,7 +113,7 @@ class Lock:
                 f"and whether it still runs cannot be seen from here ({here}). If it does not, "
                 "repeat the command with --force")
 
-    def _silence(self):
+    def _silence(self) -> str:
         """Return as text how long ago the lock was renewed, by the clock of its file system."""
         probe = self.path.with_name(f".{NAME}.{self._mine['token']}")
         try:
@@ -122,7 +125,7 @@ class Lock:
         return f"{max(seconds, 0.0):.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
-def _read(path):
+def _read(path: Path) -> Found | None:
     """Return the content of a lock file, {} if it cannot be understood, None if there is none."""
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)    # a pipe would be waited for
@@ -139,7 +142,7 @@ def _read(path):
     return content if isinstance(content, dict) else {}
 
 
-def _alive(found):
+def _alive(found: Found) -> bool | None:
     """Return whether the process of a lock runs: True, False, or None if this host cannot tell."""
     name, _, boot = str(found.get("host")).partition(" ")
     here, _, booted = _host().partition(" ")
@@ -153,14 +156,14 @@ def _alive(found):
     return began is not None and began == found.get("began")
 
 
-def _words(found):
+def _words(found: Found) -> str:
     if not found:
         return "a process that left no name"
     return (f"process {found.get('process')!s:.20} on {str(found.get('host')).partition(' ')[0]:.80}, "
             f"since {found.get('since')!s:.20}")
 
 
-def _host():
+def _host() -> str:
     """Return the name of this host and the id of its boot: no process survives a restart of the host."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
@@ -169,7 +172,7 @@ def _host():
     return f"{socket.gethostname()} {boot}"
 
 
-def _numbering():
+def _numbering() -> str:
     """Return which numbering of processes this one is in (the PID namespace of Linux); "" if unknown.
 
     Each container has its own.
@@ -180,7 +183,7 @@ def _numbering():
         return ""
 
 
-def _began(process):
+def _began(process: int) -> str | None:
     """Return when a process began, in the system's clock ticks; "" if unknown, None if it has ended.
 
     Process ids are reused, but not together with the same start.

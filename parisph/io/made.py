@@ -64,7 +64,7 @@ def lines(made: Any) -> list[tuple[str, str]]:
         found.append(("  repeats", f"run {first.get('run')}, made by {first.get('case_file', 'an unknown case file')}"
                                      + ", edited by hand since" * bool(made.get("edited"))))
     if isinstance(made.get("parameters"), dict) and made["parameters"]:
-        given = made.get("given") if isinstance(made.get("given"), list) else []
+        given = made["given"] if isinstance(made.get("given"), list) else []
         found.append(("parameters", ", ".join(f"{name} = {value}{' (given)' * (name in given)}"
                                               for name, value in made["parameters"].items())))
     if made.get("changed"):

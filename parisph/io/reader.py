@@ -1,6 +1,8 @@
 """Read a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
 
 import json
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +54,7 @@ class Run:
         self.probe_names = sorted(path.stem for path in (self.folder / "probes").glob("*.csv"))
 
     @property
-    def summary(self) -> dict | None:
+    def summary(self) -> dict[str, Any] | None:
         """The content of summary.json; None while the run goes on, or if it was killed."""
         # early runs have neither schema nor digest
         path, whole = self.folder / "summary.json", "schema" in self.case
@@ -127,10 +129,11 @@ class Run:
 
         Raises StoreError, which names a few of them, if any is damaged, missing or of another run.
         """
-        checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity, self._early)
-                  for path, time in zip(self._paths, self.times)]
+        checks: list[Callable[[], object]] = [
+            partial(snapshot.read_attributes, path, time, self.identity, self._early)
+            for path, time in zip(self._paths, self.times)]
         peaks = [self.folder / PEAKS / f"{name}.vtkhdf" for name in self.probe_names]
-        checks += [lambda path=path: self._value_at_peak(path) for path in peaks if path.exists()]
+        checks += [partial(self._value_at_peak, path) for path in peaks if path.exists()]
         faults = []
         for one in checks:
             try:
@@ -161,7 +164,7 @@ class Run:
         """Return the unit of each column of a probe as a dict."""
         return self._units(self._probe_path(name))
 
-    def _units(self, path):
+    def _units(self, path: Path) -> dict[str, str]:
         try:
             return series.units(path)
         except (OSError, UnicodeDecodeError) as error:
@@ -181,34 +184,34 @@ class Run:
         return {name: value for name, value in found.items() if name not in ("case", "time", "step", "dim")}
 
     @property
-    def _early(self):
+    def _early(self) -> bool:
         """Whether the run is from before runs had identities, and its files digests."""
         return not self.identity
 
     @property
-    def _paths(self):
+    def _paths(self) -> list[Path]:
         return [self.folder / name for name in self._files]
 
-    def _value_at_peak(self, path):
+    def _value_at_peak(self, path: Path) -> float:
         """Return the value of the probe at whose peak a file was written."""
         about = snapshot.read_attributes(path, run=self.identity, early=self._early)
         if about.get("probe") != path.stem:
             raise StoreError(f"{path} is not the flow at the peak of {path.stem}: another file has been copied over it")
         return float(about["peak"])
 
-    def _series(self, path, each_step=False):
+    def _series(self, path: Path, each_step: bool = False) -> Table:
         found = series.table(*series.read_own(path, self.identity, each_step))
         check_unchanged(path, summary_of(self.folder), str(path.relative_to(self.folder)))    # last, as it says less
         return Table.of(found, path.stem, self._units(path))
 
-    def _probe_path(self, name):
+    def _probe_path(self, name: str) -> Path:
         if name not in self.probe_names:
             raise CaseError(f"{self.folder} has no probe {shown(name)} (it has: "
                             f"{named(', '.join(self.probe_names)) or 'none'})")
         return self.folder / "probes" / f"{name}.csv"
 
 
-def _case(path):
+def _case(path: Path) -> dict[str, Any]:
     """Return the content of case.json as a dict. Raises StoreError if it is not a case."""
     content = read_json(path)
     try:
@@ -231,6 +234,6 @@ def open_run(folder: AnyPath) -> Run:
     return run
 
 
-def _some(faults):
+def _some(faults: Sequence[str]) -> str:
     """Return a few messages, one a line, and the number of the others."""
     return "\n".join([*faults[:FEW], *([f"and {len(faults) - FEW} more files"] if len(faults) > FEW else [])])

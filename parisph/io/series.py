@@ -9,9 +9,11 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.errors import StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.reading import check_regular
@@ -65,7 +67,7 @@ class SeriesFile:
         """Close the file."""
         os.close(self._file)
 
-    def _kept_lines(self, keep_to, run, until):
+    def _kept_lines(self, keep_to: int | None, run: str, until: float) -> list[str]:
         """Return the lines of the old file up to `keep_to` and `until`."""
         if keep_to is None or not self.path.exists():
             return []
@@ -95,7 +97,9 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
         raise StoreError(f"cannot read {path}: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise StoreError(f"{path} is damaged: it is not text") from None
-    names, lines, before = [], [], None
+    names: list[str] = []
+    lines: list[list[str]] = []
+    before: tuple[float, int] | None = None
     text = text[: text.rfind("\n") + 1]    # a last line without its end was cut off by a kill
     for number, row in enumerate(text.split("\n")[:-1], 1):
         if row.startswith(OF_RUN_LINE) and run and row[len(OF_RUN_LINE):].strip() != run:
@@ -116,7 +120,8 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
     return names, lines
 
 
-def _checked(path, number, cells, count, before, each_step):
+def _checked(path: Path, number: int, cells: list[str], count: int, before: tuple[float, int] | None,
+             each_step: bool) -> tuple[float, int]:
     """Return (time, step) of a line of a SeriesFile. Raises StoreError if the line cannot be one that was written."""
     try:
         if len(cells) != count or not row_is_plain(cells):
@@ -136,7 +141,7 @@ def row_is_plain(cells: list[str]) -> bool:
     return all(cell.isprintable() and '"' not in cell for cell in cells)
 
 
-def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
+def table(names: list[str], lines: list[list[str]]) -> Array:
     """Return lines of cells as a structured array: numbers as float64, step as int64, columns with words as str."""
     columns = [_column(name, [line[k] for line in lines]) for k, name in enumerate(names)]
     found = np.empty(len(lines), dtype=[(name, column.dtype) for name, column in zip(names, columns)])
@@ -147,7 +152,7 @@ def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
 
 def units(path: AnyPath) -> dict[str, str]:
     """Return the unit of each column of a SeriesFile as a dict, "" for none or unknown."""
-    found = {}
+    found: dict[str, str] = {}
     with open(path, encoding="utf-8") as file:
         for line in file:
             if not line.startswith("#"):
@@ -159,7 +164,7 @@ def units(path: AnyPath) -> dict[str, str]:
     return {}
 
 
-def _column(name, cells):
+def _column(name: str, cells: list[str]) -> Array:
     try:
         numbers = np.array([float(cell) if cell.strip() else math.nan for cell in cells], dtype=np.float64)
     except ValueError:
@@ -167,7 +172,7 @@ def _column(name, cells):
     return numbers.astype(np.int64) if name == "step" else numbers
 
 
-def _text(value):
+def _text(value: Any) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     value = value.item() if hasattr(value, "item") else value

@@ -23,6 +23,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.communicator import Communicator
 from parisph.io import digest
 from parisph.io.files import create, on_first, publish, temporary, together
@@ -44,7 +45,7 @@ class Slab:
     """
 
     path: str
-    data: np.ndarray
+    data: Array
     start: int
     total: int
     attributes: dict[str, Any] = field(default_factory=dict)
@@ -60,7 +61,8 @@ class Pattern:
         self._key: Any = None
         self._expected: Any = None
         self._renew: Callable[[h5py.File], None]
-        self._content, self._places = b"", []
+        self._content = b""
+        self._places: list[int] = []
 
     def expect(self, key: Any, renew: Callable[[h5py.File], None]) -> None:
         """Say what the next file is: files of equal keys differ by their rows, and by what `renew` changes in place."""
@@ -114,7 +116,8 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
         raise
 
 
-def _laid_out(path, slabs, decorate, pattern):
+def _laid_out(path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None],
+              pattern: Pattern | None) -> list[int]:
     """Copy the pattern or do _lay_out; if the file disappears meanwhile, HDF5 only reports that it has no
     information."""
     try:
@@ -130,7 +133,7 @@ def _laid_out(path, slabs, decorate, pattern):
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path)) from error
 
 
-def _lay_out(path, slabs, decorate):
+def _lay_out(path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> list[int]:
     """Make the file without the rows, and return the offset of the rows of each slab in it [bytes]."""
     with open(create(path), "wb") as file:
         os.posix_fallocate(file.fileno(), 0, _size(slabs, decorate))
@@ -151,16 +154,16 @@ def _lay_out(path, slabs, decorate):
     return places
 
 
-def _size(slabs, decorate):
+def _size(slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> int:
     """Return the bytes of the rows of all ranks and of what `decorate` writes, with room: a long case has many."""
     with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
         decorate(file)
         file.flush()
-        about = file.id.get_filesize()
+        about: int = file.id.get_filesize()
     return METADATA + about + sum(slab.total * slab.data.itemsize * math.prod(slab.data.shape[1:]) for slab in slabs)
 
 
-def _allocate(file, slab):
+def _allocate(file: h5py.File, slab: Slab) -> h5py.Dataset:
     """Create the dataset with its full extent in the file, without writing fill values."""
     parent, _, name = slab.path.rpartition("/")
     group = file.require_group(parent) if parent else file
@@ -174,20 +177,20 @@ def _allocate(file, slab):
     return h5py.Dataset(h5py.h5d.create(group.id, name.encode(), kind, space, layout))
 
 
-def _write_own(path, slabs, places):
+def _write_own(path: Path, slabs: Sequence[Slab], places: Sequence[int]) -> None:
     """Write the rows of this rank to the file, and force them to the disk."""
     handle = os.open(path, os.O_WRONLY | os.O_NOFOLLOW)
     try:
         for slab, place in zip(slabs, places, strict=True):
             rows = np.ascontiguousarray(slab.data)
             if len(rows):
-                _write_at(handle, place + slab.start * rows[0].nbytes, memoryview(rows.reshape(-1)).cast("B"))
+                _write_at(handle, place + slab.start * rows[0].nbytes, rows.reshape(-1).data.cast("B"))
         os.fsync(handle)
     finally:
         os.close(handle)
 
 
-def _write_at(handle, place, data):
+def _write_at(handle: int, place: int, data: memoryview) -> None:
     while data:
         written = os.pwrite(handle, data, place)
         place, data = place + written, data[written:]

@@ -7,7 +7,7 @@ Attributes of the root say how the run was made: case (JSON), method, versions a
 HDF5 part is a digest of the file (parisph.io.digest).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import h5py
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
@@ -50,7 +51,7 @@ class Written(Protocol):
     def n_global(self) -> int:
         """Rows of all ranks."""
 
-    def __getattr__(self, name: str) -> np.ndarray:
+    def __getattr__(self, name: str) -> Array:
         """Return the rows of a field."""
 
 
@@ -121,11 +122,12 @@ def read_attributes(path: AnyPath, time: float | None = None, run: str = "", ear
 
 
 @contextmanager
-def _opened(path, time, run, early):
+def _opened(path: AnyPath, time: float | None, run: str, early: bool) -> Iterator[h5py.File]:
     """Open a snapshot as h5py.File after a check of its digest.
 
     Raises StoreError, also if the body finds something missing.
     """
+    path = Path(path)
     digest.check(path, early)
     try:
         with h5py.File(path, "r") as file:
@@ -137,7 +139,7 @@ def _opened(path, time, run, early):
         raise StoreError(f"{path} is not a snapshot of parisph: {error}") from None
 
 
-def _check_expected(path, attributes, time, run):
+def _check_expected(path: AnyPath, attributes: Mapping[str, Any], time: float | None, run: str) -> None:
     """Raise StoreError if a sound file is not of the expected time and run; KeyError if it has no time."""
     if run and attributes.get("run", "") != run:
         raise StoreError(f"{path} is of another run than its folder: it has been copied there")
@@ -217,7 +219,7 @@ def check_fields(fields: Iterable[str]) -> list[str]:
     return [name for name in dict.fromkeys((*ALWAYS, *fields)) if name != "x"]
 
 
-def _three(vectors):
+def _three(vectors: Floats) -> Floats:
     """Return (n, 3) vectors: VTK allows no other number of components."""
     if vectors.shape[1] == 3:
         return vectors
@@ -226,7 +228,7 @@ def _three(vectors):
     return padded
 
 
-def _cells(n, start, total):
+def _cells(n: int, start: int, total: int) -> list[Slab]:
     """Return one vertex cell per particle, so that ParaView's filters can select particles."""
     numbers = np.arange(start, start + n, dtype=np.int64)
     ends, first = numbers + 1, start + 1
@@ -239,7 +241,7 @@ def _cells(n, start, total):
     ]
 
 
-def _decorate(file, total, time, step, attributes):
+def _decorate(file: h5py.File, total: int, time: float, step: int, attributes: Mapping[str, Any]) -> None:
     file.attrs.update({**attributes, "time": float(time), "step": int(step)})
     group = file.create_group("VTKHDF")
     group.attrs["Version"] = np.array([1, 0], dtype=np.int64)
@@ -251,7 +253,7 @@ def _decorate(file, total, time, step, attributes):
     group["FieldData/Step"] = np.array([step], dtype=np.int64)
 
 
-def _renew(file, time, step):
+def _renew(file: h5py.File, time: float, step: int) -> None:
     """Change the time and the step of a snapshot."""
     file.attrs.modify("time", float(time))
     file.attrs.modify("step", int(step))

@@ -44,10 +44,15 @@ class Store:
     def __init__(self, comm: Communicator, folder: AnyPath, case: str, about: Mapping[str, str | float],
                  fields: Sequence[str], lock: Lock | None = None) -> None:
         self.comm, self.folder, self.lock = comm, Path(folder), lock
-        self.times, self.notes = [], []
+        self.times: list[float] = []
+        self.notes: list[tuple[int, str]] = []
         snapshot.check_fields(fields)
         self._fields = tuple(fields)
-        self._names, self._checkpoints, self._series, self._keep_to, self._here = [], [], {}, None, False
+        self._names: list[str] = []
+        self._checkpoints: list[str] = []
+        self._series: dict[str, SeriesFile] = {}
+        self._keep_to: int | None = None
+        self._here = False
         self._pattern = Pattern()
         self.about = dict(about)
         self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
@@ -131,7 +136,7 @@ class Store:
             if self.lock is not None:
                 self.lock.check()
             for time, step, values in lines:
-                for name, line in values.items():
+                for name, line in (values or {}).items():
                     self._series[name].append(time, step, line)
         on_first(self.comm, f"write time series in {self.folder}", add)
 
@@ -190,14 +195,14 @@ class Store:
                 self._series.popitem()[1].close()
         on_first(self.comm, f"close time series in {self.folder}", close)
 
-    def _set_run(self, case, run):
+    def _set_run(self, case: str, run: str) -> None:
         """Set the identity of the run, and the case that is written to its files."""
         self.run = run
         self._case = json.dumps({"run": run,
                                  **{name: value for name, value in json.loads(case).items() if name != "run"}})
         self.about.update(case=self._case, run=run)
 
-    def _start(self):
+    def _start(self) -> None:
         try:
             folders.check_free(self.folder)
         except CaseError as error:
@@ -205,7 +210,7 @@ class Store:
         folders.prepare(self.folder)
         folders.write_case(self.folder, self._case, self.run)
 
-    def _continue(self, run, time, step, series):
+    def _continue(self, run: str, time: float, step: int, series: Sequence[str]) -> None:
         """Continue in the folder of the run, or begin in an empty one."""
         there = folders.identity(self.folder)
         if there is None and not folders.content(self.folder):
@@ -230,7 +235,8 @@ class Store:
         self._put_peaks_back(time)
         self._note(there is None, step, aside, bool(results), ended, bool(case))
 
-    def _note(self, without_case, step, aside, results, ended, edited):
+    def _note(self, without_case: bool, step: int, aside: Path | None, results: bool, ended: bool,
+              edited: bool) -> None:
         """Note what was found missing, and the folder that earlier results were moved to, or the summary alone.
 
         results, ended : whether there are results after the checkpoint, and whether there was a summary
@@ -249,14 +255,15 @@ class Store:
             self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}" if results else
                                f"only the earlier summary was moved to {aside}; no other result is replaced"))
 
-    def _take_stock(self, time):
+    def _take_stock(self, time: float) -> list[Path]:
         """Find the run's snapshots up to `time` [s], and return those that it wrote later.
 
         The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not
         changed.
         """
         listed = snapshot.listed(self.folder / INDEX, self.run) or {}
-        kept, late = [], []
+        kept: list[tuple[float, str]] = []
+        late: list[tuple[float, str]] = []
         for path in sorted((self.folder / "snapshots").glob("*.vtkhdf")):
             name = f"snapshots/{path.name}"
             at = listed.get(name)
@@ -269,27 +276,27 @@ class Store:
         self._names, self.times = [name for _, name in kept], [at for at, _ in kept]
         return [self.folder / name for _, name in late]
 
-    def _late_peaks(self, time):
+    def _late_peaks(self, time: float) -> list[Path]:
         """Return the files of the run's peaks after `time` [s]."""
         paths = sorted((self.folder / PEAKS).glob("*.vtkhdf"))
         times = [snapshot.time_of_own(path, self.run) for path in paths]
         return [path for path, at in zip(paths, times) if at is not None and at > time]
 
-    def _put_peaks_back(self, time):
+    def _put_peaks_back(self, time: float) -> None:
         """Give the peaks that the checkpoint of `time` [s] knows their places again, where later ones have gone."""
         for path in sorted((self.folder / BEFORE).glob("*.vtkhdf")):
             place, at = self.folder / PEAKS / path.name, snapshot.time_of_own(path, self.run)
             if at is not None and at <= time and not place.exists():
                 os.replace(path, place)
 
-    def _next_name(self, time):
+    def _next_name(self, time: float) -> str:
         """Return the name of the next snapshot: a new one, or that of this run's snapshot of the same time."""
         if self.times[-1:] == [time]:
             return self._names[-1]
         numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdecimal()]
         return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
 
-    def _keep_columns(self, path, columns):
+    def _keep_columns(self, path: Path, columns: Mapping[str, str]) -> None:
         """Keep a copy of a time series of an older release that has further columns, which its restart leaves out."""
         lost = [name for name in units(path) if name not in ("time", "step", *columns)] \
             if self._here and path.is_file() else []
@@ -298,15 +305,15 @@ class Store:
             logger.info(f"{path} was written by an older parisph: it goes on without the column{'s' * (len(lost) > 1)} "
                         f"{', '.join(lost)[:200]}, and a copy with all is in {aside}")
 
-    def _missing(self, path):
+    def _missing(self, path: Path) -> str:
         """Return a note on lost lines for the title of a time series; "" if none are lost."""
-        if not self._here or self._keep_to <= 0 or path.exists():
+        if not self._here or not self._keep_to or self._keep_to < 0 or path.exists():
             return ""
         logger.warning(f"{path} is missing: it begins again after step {self._keep_to}; what it held before is lost")
         return f" (lines up to step {self._keep_to} are missing: there was no file at a restart)"
 
 
-def _last_step(path, run):
+def _last_step(path: Path, run: str) -> int:
     """Return the last step in a time series of a run, -1 if it has no line. Raises StoreError if it is damaged."""
     _, lines = read_own(path, run, each_step=path.name == "steps.csv")
     return int(lines[-1][1]) if lines else -1

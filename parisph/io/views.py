@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.errors import MissingLibrary
 
 SHOWN = 6    # rows of a table, at its start and its end
 
 
-class Table(np.ndarray):
+class Table(np.ndarray[Any, Any]):
     """A structured array, one row per sample or step, that knows its name and its units: `units`, {column: unit}.
 
     A column is a plain array.
@@ -21,7 +22,7 @@ class Table(np.ndarray):
     units: dict[str, str]
 
     @classmethod
-    def of(cls, rows: np.ndarray, name: str, units: Mapping[str, str]) -> "Table":
+    def of(cls, rows: Array, name: str, units: Mapping[str, str]) -> "Table":
         """Return rows, which are not copied, as a Table."""
         table = rows.view(cls)
         table.name, table.units = name, dict(units)
@@ -97,5 +98,5 @@ def _cell(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, (float, np.floating)) else str(value)
 
 
-def _span(values: np.ndarray) -> str:
+def _span(values: Array) -> str:
     return f"{values.min():.6g}, {values.max():.6g}" if values.size and values.dtype.kind in "fiu" else ""

@@ -5,21 +5,22 @@ import numpy as np
 
 from parisph.base.fields import INNER, WET
 from parisph.kernels.jit import kernel
+from parisph.kernels.records import Cloud, Rows
 
 ROUNDING = 1e-9    # of the terms of a sum: what is less is zero
 
 
 @kernel
-def add_linear_part(target: np.ndarray, force: np.ndarray, density: float, count: np.ndarray, columns: np.ndarray,
-                    values: np.ndarray, measure: np.ndarray, x: np.ndarray, role: np.ndarray, indptr: np.ndarray,
-                    axes: tuple[int, ...]) -> None:
+def add_linear_part(target: np.ndarray, rows: Rows, cloud: Cloud, force: np.ndarray, density: float) -> None:
     """Add the Laplacian that a row finds for rho f_I . (x - x_I), which has none, to the target of inner particles.
 
     The row then means lap (p - rho f_I . x): water at rest is a solution on any particles, whatever the row does
     to linear functions.
 
-    target : (n_owned,) [Pa/m^2]; force : (n_all, dim) per unit mass [m/s^2]; others as of pressure.rows.Rows
+    target : (n_owned,) [Pa/m^2]; force : (n_all, dim) per unit mass [m/s^2]; density [kg/m^3]
     """
+    count, columns, values, measure = rows
+    x, role, indptr, axes = cloud.x, cloud.role, cloud.indptr, cloud.axes
     for i in range(len(indptr) - 1):
         if role[i] != INNER or measure[i] == 0.0:
             continue
@@ -31,18 +32,17 @@ def add_linear_part(target: np.ndarray, force: np.ndarray, density: float, count
 
 
 @kernel
-def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float, count: np.ndarray,
-                             columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                             role: np.ndarray, normal: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
+def add_linear_part_at_walls(right: np.ndarray, rows: Rows, cloud: Cloud, pull: np.ndarray, density: float) -> None:
     """Add what the rows of wet wall particles find for rho a_I . (x - x_I), less its normal derivative, to the right.
 
     A row that is no normal derivative, but a mean of its neighbours or a mixture with it, is then exact for the
     pressure of water that moves with the wall. Rows that are exact anyway stay as they are to the bit.
 
-    right : (n_owned,) [Pa]; pull : (n_owned, dim), a = force on the fluid less acceleration of the wall [m/s^2]
-    normal : (n_all, dim), into the fluid; others as of pressure.rows.Rows
+    right : (n_owned,) [Pa]; density [kg/m^3]
+    pull : (n_owned, dim), a = force on the fluid less acceleration of the wall [m/s^2]
     """
-    dim = len(axes)
+    count, columns, values, measure = rows
+    x, role, normal, indptr, dim = cloud.x, cloud.role, cloud.normal, cloud.indptr, len(cloud.axes)
     for i in range(len(indptr) - 1):
         if role[i] != WET:
             continue
@@ -60,19 +60,17 @@ def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float
 
 
 @kernel
-def wall_targets(target: np.ndarray, role: np.ndarray, normal: np.ndarray, force: np.ndarray, moved: np.ndarray,
-                 density: float) -> None:
+def wall_targets(target: np.ndarray, cloud: Cloud, force: np.ndarray, moved: np.ndarray, density: float) -> None:
     """Write rho (n . force - a) to the targets of wet wall particles, Eq. 25 (2014 paper).
 
-    target : (n,) [Pa/m], changed; role : (n,); normal : (n, dim); force : (n_all, dim) per unit mass [m/s^2]
-    density : [kg/m^3]
-    moved : (n,), a, acceleration across the wall of fluid that slides along it [m/s^2]; (0,) if no wall moves
+    target : (n_owned,) [Pa/m], changed; force : (n_all, dim) per unit mass [m/s^2]; density [kg/m^3]
+    moved : (n_owned,), a, acceleration across the wall of fluid that slides along it [m/s^2]; (0,) if no wall moves
     """
     for i in range(len(target)):
-        if role[i] == WET:
+        if cloud.role[i] == WET:
             across = 0.0
-            for a in range(normal.shape[1]):
-                across += normal[i, a] * force[i, a]
+            for a in range(len(cloud.axes)):
+                across += cloud.normal[i, a] * force[i, a]
             target[i] = density * (across - moved[i] if len(moved) > 0 else across)
 
 

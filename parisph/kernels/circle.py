@@ -1,9 +1,23 @@
 """Moving least squares at the points of a circle or a sphere about a particle."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from parisph.kernels.jit import inlined
 from parisph.kernels.smoothing import quartic_weight
+
+
+class Circle(NamedTuple):
+    """A circle, or a sphere, on which a field is interpolated by moving least squares.
+
+    unit : (K, dim), its points, as unit vectors (rankine.directions); size : its radius R [m]
+    radius : of the weight of the moving least squares [m]
+    """
+
+    unit: np.ndarray
+    size: float
+    radius: float
 
 
 @inlined

@@ -10,6 +10,8 @@ With L = lap p - rho div B, the rest is harmonic up to terms of third order in r
 divergence of Euler's equation gives L = rho (div (F - B) - tr((grad u)^2)), with all forces F.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from parisph.base.fields import INNER, SURFACE, WET
@@ -17,13 +19,23 @@ from parisph.kernels.circle import fill_basis
 from parisph.kernels.harmonic import basis_size, inflation
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import cholesky, cholesky_solve, invert, normal_matrix
-from parisph.kernels.near import dot, fill_up, gather, room_for, weights
+from parisph.kernels.near import Form, dot, fill_up, gather, room_for, weights
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.smoothing import quartic_weight
 
 
+class Bending(NamedTuple):
+    """What is known of how the pressure bends.
+
+    laplacian : (n_all,), L [Pa/m^2]; pull : (n_all, dim), rho B [Pa/m], or (0, dim) if it is uniform
+    """
+
+    laplacian: np.ndarray
+    pull: np.ndarray
+
+
 @kernel
-def continue_laplacian(laplacian: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, indptr: np.ndarray,
-                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def continue_laplacian(laplacian: np.ndarray, cloud: Cloud, radius: float) -> None:
     """Write the weighted mean of inner neighbours to owned surface particles and wet walls, 0 where there are none.
 
     A mean is of first order, and enough: it is multiplied by r^2. A fit of velocities beside the wall is not better: in
@@ -31,6 +43,7 @@ def continue_laplacian(laplacian: np.ndarray, x: np.ndarray, role: np.ndarray, r
 
     laplacian : (n_all,) [Pa/m^2]; radius : of the weight [m]
     """
+    role, indptr, indices = cloud.role, cloud.indptr, cloud.indices
     for i in range(len(indptr) - 1):
         if role[i] != WET and role[i] != SURFACE:
             continue
@@ -38,44 +51,37 @@ def continue_laplacian(laplacian: np.ndarray, x: np.ndarray, role: np.ndarray, r
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if role[j] == INNER:
-                w = quartic_weight(_square_distance(i, j, x, axes), radius * radius)
+                w = quartic_weight(_square_distance(i, j, cloud), radius * radius)
                 total += w * laplacian[j]
                 weight += w
         laplacian[i] = total / weight if weight > 0.0 else 0.0
 
 
 @kernel
-def add_at_walls(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, count: np.ndarray, columns: np.ndarray,
-                 values: np.ndarray, x: np.ndarray, role: np.ndarray, indptr: np.ndarray,
-                 axes: tuple[int, ...]) -> None:
+def add_at_walls(right: np.ndarray, rows: Rows, cloud: Cloud, bending: Bending) -> None:
     """Add what wall rows find of the known part of the pressure to the right-hand side (n_owned,) [Pa].
 
     Harmonic rows are then exact for every quadratic pressure, and all rows for that of water at rest in a linear force.
-
-    laplacian : (n_all,) L [Pa/m^2]; pull : (n_all, dim) rho B [Pa/m], or (0, dim) if it is uniform
-    others : as of pressure.rows.Rows
     """
-    for i in range(len(indptr) - 1):
-        if role[i] != WET:
+    for i in range(len(cloud.indptr) - 1):
+        if cloud.role[i] != WET:
             continue
-        for k in range(indptr[i], indptr[i] + count[i]):
-            right[i] -= values[k] * (_by_pull(i, columns[k], pull, x, axes)
-                                     + laplacian[i] * _square_distance(i, columns[k], x, axes) / (2.0 * len(axes)))
+        for k in range(cloud.indptr[i], cloud.indptr[i] + rows.count[i]):
+            right[i] -= rows.values[k] * _known(i, rows.columns[k], cloud, bending)
 
 
 @kernel
-def add_at_surface(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, count: np.ndarray, columns: np.ndarray,
-                   values: np.ndarray, x: np.ndarray, role: np.ndarray, indptr: np.ndarray,
-                   axes: tuple[int, ...]) -> None:
+def add_at_surface(right: np.ndarray, rows: Rows, cloud: Cloud, bending: Bending) -> None:
     """Add what rows of the surface find of the known part of the pressure to the right-hand side (n_owned,) [Pa].
 
     With the values S w_J, S = a/(a + d) (`surface_rows`), and the known part q: p_I = S mean(p_J - q_J) - (1 - S) q(a),
-    since p = 0 at the distance a outwards. q(a) is by L and by the mean pull of the neighbours. others : as there
+    since p = 0 at the distance a outwards. q(a) is by L and by the mean pull of the neighbours.
     """
-    dim = len(axes)
+    count, columns, values, _ = rows
+    x, indptr, dim, pull = cloud.x, cloud.indptr, len(cloud.axes), bending.pull
     mean, force = np.empty(dim), np.empty(dim)
     for i in range(len(indptr) - 1):
-        if role[i] != SURFACE or count[i] == 0:
+        if cloud.role[i] != SURFACE or count[i] == 0:
             continue
         share, known = 0.0, 0.0
         mean[:] = 0.0
@@ -83,8 +89,7 @@ def add_at_surface(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, c
         for k in range(indptr[i], indptr[i] + count[i]):
             j = columns[k]
             share += values[k]
-            known += values[k] * (_by_pull(i, j, pull, x, axes)
-                                  + laplacian[i] * _square_distance(i, j, x, axes) / (2.0 * dim))
+            known += values[k] * _known(i, j, cloud, bending)
             for a in range(dim):
                 mean[a] += values[k] * (x[j, a] - x[i, a])
                 if len(pull) > 0:
@@ -94,81 +99,93 @@ def add_at_surface(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, c
             square += (mean[a] / share) ** 2
             by_pull += 0.5 * force[a] * mean[a] / share**2
         away = share / (1.0 - share)    # a/d
-        outside = away * away * (by_pull + laplacian[i] * square / (2.0 * dim))
+        outside = away * away * (by_pull + bending.laplacian[i] * square / (2.0 * dim))
         right[i] -= known + (1.0 - share) * outside
 
 
 @kernel
-def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, x: np.ndarray, role: np.ndarray,
-             where: int, radius: float, power: int, floor: float, most: float, kept: float, indptr: np.ndarray,
-             indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, bending: Bending, where: int, form: Form, most: float,
+             kept: float) -> None:
     """Replace the gradient of the pressure by that of a fit by harmonic polynomials to what is not known of it.
 
     Exact for every quadratic pressure. Where neighbours do not span the basis, or the terms of degree 2 raise the
     variance of the slope too much, the value is that of a linear fit, and what this finds of the known part is taken
     from it: all of that, or nothing, since its parts depend on the frame, and their sum does not.
 
-    out : (n_owned, dim) [Pa/m] of another fit; laplacian, pull : as of add_at_walls
-    where : the role of the particles; radius [m], power : of the weight (near.weights); floor : value of
-        det/(trace/dim)^dim below which a linear gradient is damped (`operators.LeastSquares`), and stays
+    out : (n_owned, dim) [Pa/m] of another fit; p : (n_all,) [Pa]; where : the role of the particles
+    form : of the linear fit; below its floor a linear gradient is damped (`operators.LeastSquares`), and stays
     most : by how much terms of degree 2 may raise the variance (harmonic.coefficients)
     kept : up to where `out` has those terms and stays; not above `most` if it has them nowhere
     """
+    indptr, axes, radius = cloud.indptr, cloud.axes, form.radius
     dim, size, room = len(axes), basis_size(axes), room_for(indptr)
     basis, w, change = np.zeros((size + 4, room)), np.empty((1, room)), np.zeros((1, room))
     member = np.empty(room, np.int32)
     matrix, right = np.empty((size, size + 3)), np.empty(size)
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     for i in range(len(indptr) - 1):
-        if role[i] != where:
+        if cloud.role[i] != where:
             continue
-        n = gather(basis, member, 0, i, x, role, radius, indptr, indices, axes)
+        n = gather(basis, member, 0, i, cloud, radius)
         columns = fill_up(basis, n, axes)
         fill_basis(basis, columns, axes)
-        weights(w, basis, power, columns, axes)
-        found = 0
-        for k in range(n):
-            found += w[0, k] > 0.0
-        normal_matrix(matrix, basis, w, size, columns)
-        for a in range(dim):
-            for b in range(a + 1):
-                m[a, b] = m[b, a] = matrix[a, b]
+        weights(w, basis, form.power, columns, axes)
+        found = _moments(matrix, m, basis, w, n, columns, axes)
         spans = found > size and cholesky(matrix, size)
         raised = inflation(m, matrix, right, size, axes) if spans else np.inf
-        curve = laplacian[i] * radius * radius / (2.0 * dim)
-        if not (spans and raised <= most):
-            if raised > kept and found > dim and invert(m, inverse, axes) > floor:
-                for k in range(n):
-                    known = w[0, k] * (_by_pull(i, member[k], pull, x, axes) + curve * basis[size, k]) / radius
-                    for a in range(dim):
-                        for b in range(dim):
-                            out[i, a] -= inverse[a, b] * basis[b, k] * known
-            continue
-        for k in range(columns):
-            change[0, k] = 0.0
-        for k in range(n):
-            j = member[k]
-            change[0, k] = w[0, k] * (p[j] - p[i] - _by_pull(i, j, pull, x, axes) - curve * basis[size, k])
-        for r in range(size):
-            right[r] = dot(change, 0, basis, r, columns)
-        cholesky_solve(matrix, right, size)
-        for a in range(dim):
-            out[i, a] = right[a] / radius
+        curve = bending.laplacian[i] * radius * radius / (2.0 * dim)
+        if spans and raised <= most:
+            for k in range(columns):
+                change[0, k] = 0.0
+            for k in range(n):
+                j = member[k]
+                change[0, k] = w[0, k] * (p[j] - p[i] - _by_pull(i, j, cloud, bending.pull) - curve * basis[size, k])
+            for r in range(size):
+                right[r] = dot(change, 0, basis, r, columns)
+            cholesky_solve(matrix, right, size)
+            for a in range(dim):
+                out[i, a] = right[a] / radius
+        elif raised > kept and found > dim and invert(m, inverse, axes) > form.floor:
+            for k in range(n):
+                known = w[0, k] * (_by_pull(i, member[k], cloud, bending.pull) + curve * basis[size, k]) / radius
+                for a in range(dim):
+                    for b in range(dim):
+                        out[i, a] -= inverse[a, b] * basis[b, k] * known
 
 
 @inlined
-def _by_pull(i, j, pull, x, axes):
-    """Return rho/2 (B_j - B_i) . (x_j - x_i) [Pa]."""
-    found = 0.0
-    if len(pull) > 0:
-        for a in range(len(axes)):
-            found += 0.5 * (pull[j, a] - pull[i, a]) * (x[j, a] - x[i, a])
+def _moments(matrix, m, basis, w, n, columns, axes):
+    """Write the moments of the harmonic fit, and of a linear one; return how many of n neighbours have a weight."""
+    found = 0
+    for k in range(n):
+        found += w[0, k] > 0.0
+    normal_matrix(matrix, basis, w, basis_size(axes), columns)
+    for a in range(len(axes)):
+        for b in range(a + 1):
+            m[a, b] = m[b, a] = matrix[a, b]
     return found
 
 
 @inlined
-def _square_distance(i, j, x, axes):
+def _known(i, j, cloud, bending):
+    """Return the known part of p_j - p_i [Pa]."""
+    bent = bending.laplacian[i] * _square_distance(i, j, cloud) / (2.0 * len(cloud.axes))
+    return _by_pull(i, j, cloud, bending.pull) + bent
+
+
+@inlined
+def _by_pull(i, j, cloud, pull):
+    """Return rho/2 (B_j - B_i) . (x_j - x_i) [Pa]."""
+    found = 0.0
+    if len(pull) > 0:
+        for a in range(len(cloud.axes)):
+            found += 0.5 * (pull[j, a] - pull[i, a]) * (cloud.x[j, a] - cloud.x[i, a])
+    return found
+
+
+@inlined
+def _square_distance(i, j, cloud):
     r2 = 0.0
-    for a in range(len(axes)):
-        r2 += (x[j, a] - x[i, a]) ** 2
+    for a in range(len(cloud.axes)):
+        r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
     return r2

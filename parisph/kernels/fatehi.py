@@ -7,13 +7,13 @@ from parisph.kernels.gradient import support
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import eliminate
 from parisph.kernels.near import SPLINE_SLOPE, dot, fill_up, gather, room_for
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.row import finish_row
 from parisph.kernels.schwaiger import FLAT
 
 
 @kernel
-def fatehi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                role: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def fatehi_rows(rows: Rows, cloud: Cloud, h: float) -> None:
     """Fill the rows of inner particles with the Laplacian that is exact for quadratics on any particles.
 
     With e = r_ij/r, r_ij = r_i - r_j, and the first-order corrected gradient of Zheng, Ma & Duan (2014), Eq. 20d,
@@ -22,26 +22,27 @@ def fatehi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, meas
     T = sum_j w M^-1 xi xi xi^T the gradient's own result for a quadratic. The system has 3 unknowns in 2D, 6 in 3D.
     Values may be negative. A row whose neighbours do not determine B is given up.
 
-    count, columns, values, measure, h : as of cisph2_rows; volumes cancel
+    h : smoothing length of the cubic spline, support 2h [m]; volumes cancel
     """
+    indptr, axes = cloud.indptr, cloud.axes
     dim, room, radius = len(axes), room_for(indptr), 2.0 * h
     pairs = dim * (dim + 1) // 2
     near, weighted = np.empty((dim, room)), np.empty((dim + 1, room))
-    square, along = np.empty((pairs, room)), np.empty((pairs, room))
+    products = square, along = np.empty((pairs, room)), np.empty((pairs, room))
     moment, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     third, lean, bias = np.empty((dim, pairs)), np.empty((pairs, dim)), np.empty(dim)
     matrix, tensor = np.empty((pairs, pairs)), np.empty(pairs)
     for i in range(len(indptr) - 1):
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             continue
         first = indptr[i]
-        n = gather(near, columns, first, i, x, role, radius, indptr, indices, axes)
+        n = gather(near, rows.columns, first, i, cloud, radius)
         m = fill_up(near, n, axes)
         sound = support(moment, inverse, weighted, near, SPLINE_SLOPE, n, m, axes) > FLAT
         if sound:
-            _products(square, along, near, weighted, m, axes)
+            _products(products, near, weighted, m, axes)
             _third_moments(third, inverse, square, weighted, m, axes)
-            sound = _tensor(tensor, matrix, lean, third, square, along, near, m, axes)
+            sound = _tensor(tensor, matrix, lean, third, products, near, m, axes)
             _bias(bias, inverse, tensor, lean, axes)
             for k in range(n):
                 c = 0.0
@@ -49,13 +50,14 @@ def fatehi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, meas
                     c += tensor[p] * along[p, k]
                 for a in range(dim):
                     c -= bias[a] * weighted[1 + a, k]
-                values[first + k] = c
-        finish_row(i, first, n, 2.0 / (radius * radius), sound, count, values, measure)
+                rows.values[first + k] = c
+        finish_row(rows, i, first, n, 2.0 / (radius * radius), sound)
 
 
 @inlined
-def _products(square, along, near, weighted, m, axes):
+def _products(products, near, weighted, m, axes):
     """Write xi_a xi_b, and w e_a e_b, of each neighbour in the order 00, 10, 11, 20, 21, 22."""
+    square, along = products
     p = 0
     for a in range(len(axes)):
         for b in range(a + 1):
@@ -84,11 +86,12 @@ def _third_moments(third, inverse, square, weighted, m, axes):
 
 
 @inlined
-def _tensor(tensor, matrix, lean, third, square, along, near, m, axes):
+def _tensor(tensor, matrix, lean, third, products, near, m, axes):
     """Solve for B, its entries off the diagonal twice; False if degenerate.
 
     lean : (pairs, dim) sum_j w (e e)_p xi_a, written
     """
+    square, along = products
     pairs = len(square)
     for p in range(pairs):
         for a in range(len(axes)):

@@ -7,48 +7,44 @@ div u_I = sum_J flux_J . (u_J - u_I).
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.kernels.circle import fill_basis, sum_over_points, weigh
+from parisph.kernels.circle import Circle, fill_basis, sum_over_points, weigh
 from parisph.kernels.gradient import support
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
-from parisph.kernels.near import fill_up, gather_within, room_for
+from parisph.kernels.near import Form, fill_up, gather_within, room_for
 from parisph.kernels.rankine import UNSOUND
+from parisph.kernels.records import Cloud, Flux
 
 
 @kernel
-def flux_rows(count: np.ndarray, columns: np.ndarray, flux: np.ndarray, div: np.ndarray, u: np.ndarray, x: np.ndarray,
-              role: np.ndarray, unit: np.ndarray, circle: np.ndarray, radius: float, indptr: np.ndarray,
-              indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def flux_rows(flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle) -> None:
     """Fill the flux stencils of inner particles, and the flux divergence of u: those of `rankine.rankine_rows`.
 
     The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan
     2014, Eq. 23): div u_I = (dim/R) mean u . n. Exact for linear u on any particles. A stencil is zero where the
     neighbours of a point do not span the plane (3D: space), or where the values on the circle are extrapolated
-    from neighbours on one side.
+    from neighbours on one side. It holds the neighbours within R + radius, however far the lists reach.
 
-    count : (n_owned,) int32, entries of each stencil: neighbours within circle + radius, however far the lists reach
-    columns : (nnz,) int32; flux : (nnz, dim) [1/m]; stencil I starts at indptr[I]; div : (n_owned,) [1/s]
-    unit, circle, radius : as of rankine_rows
+    u : (n_all, dim) [m/s]
     """
+    unit, radius, role, indptr, axes = circle.unit, circle.radius, cloud.role, cloud.indptr, cloud.axes
     dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
-    at = np.ascontiguousarray(unit.T) * (circle / radius)
+    at = np.ascontiguousarray(unit.T) * (circle.size / radius)
     basis, w = np.empty((size + 1, room)), np.empty((points, room))
     moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
     mean = np.empty((dim + 1, room))
     for i in range(len(indptr) - 1):
         if role[i] != INNER:
             continue
-        first = indptr[i]
-        n = gather_within(basis, columns, first, i, x, role, radius, circle + radius, indptr, indices, axes)
+        n = gather_within(basis, flux.columns, indptr[i], i, cloud, radius, circle.size + radius)
         m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
         weigh(moments, w, basis, at, m, axes)
         spanned = linear_fit(fit, moments, at, points, axes) == points
         sum_over_points(mean, fit, w, basis, unit, m, axes)
-        sound = spanned and _surrounded(mean, basis, m, circle / radius, points)
-        count[i] = n
-        _finish(i, first, n, dim / (circle * points) if sound else 0.0, mean, columns, flux, div, u, axes)
+        sound = spanned and _surrounded(mean, basis, m, circle.size / radius, points)
+        _finish(flux, i, n, dim / (circle.size * points) if sound else 0.0, mean, cloud, u)
 
 
 @inlined
@@ -63,45 +59,42 @@ def _surrounded(mean, basis, m, circle, points):
 
 
 @kernel
-def least_squares_flux(count: np.ndarray, columns: np.ndarray, flux: np.ndarray, div: np.ndarray, u: np.ndarray,
-                       x: np.ndarray, role: np.ndarray, radius: float, power: int, floor: float, indptr: np.ndarray,
-                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def least_squares_flux(flux: Flux, cloud: Cloud, u: np.ndarray, form: Form) -> None:
     """Fill the divergence stencils of inner particles from the first-order least-squares gradient.
 
-    The nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u on any particles.
-    As a source of pressure it ends in a blow-up where the flux through a circle does not.
-
-    radius, power, floor : as of `gradient.least_squares_gradient`, but a stencil below the floor is zero
+    The nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u (n_all, dim) [m/s] on
+    any particles. A stencil below the floor is zero. As a source of pressure it ends in a blow-up where the flux
+    through a circle does not.
     """
+    indptr, axes = cloud.indptr, cloud.axes
     dim, room = len(axes), room_for(indptr)
     near, weighted = np.empty((dim, room)), np.empty((dim + 1, room))
     stencil = np.empty((dim + 1, room))
     moment, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     for i in range(len(indptr) - 1):
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             continue
-        first = indptr[i]
-        n = gather_within(near, columns, first, i, x, role, radius, radius, indptr, indices, axes)
+        n = gather_within(near, flux.columns, indptr[i], i, cloud, form.radius, form.radius)
         m = fill_up(near, n, axes)
-        sound = support(moment, inverse, weighted, near, power, n, m, axes) >= floor
+        sound = support(moment, inverse, weighted, near, form.power, n, m, axes) >= form.floor
         for a in range(dim):
             for k in range(m):
                 total = 0.0
                 for b in range(dim):
                     total += inverse[a, b] * weighted[1 + b, k]
                 stencil[1 + a, k] = total if sound else 0.0
-        count[i] = n
-        _finish(i, first, n, 1.0 / radius, stencil, columns, flux, div, u, axes)
+        _finish(flux, i, n, 1.0 / form.radius, stencil, cloud, u)
 
 
 @inlined
-def _finish(i, first, n, scale, stencil, columns, flux, div, u, axes):
-    """Store a stencil, rows 1 to dim, and sum the divergence of u."""
-    change = 0.0
+def _finish(flux, i, n, scale, stencil, cloud, u):
+    """Store a stencil of n neighbours, rows 1 to dim, and sum the divergence of u."""
+    change, first = 0.0, cloud.indptr[i]
+    flux.count[i] = n
     for k in range(n):
-        j = columns[first + k]
-        for a in range(len(axes)):
+        j = flux.columns[first + k]
+        for a in range(len(cloud.axes)):
             f = scale * stencil[1 + a, k]
-            flux[first + k, a] = f
+            flux.flux[first + k, a] = f
             change += f * (u[j, a] - u[i, a])
-    div[i] = change
+    flux.div[i] = change

@@ -8,13 +8,13 @@ from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import QUADRATIC_UNIT, cholesky, cholesky_solve, normal_matrix
 from parisph.kernels.near import fill_up, gather_within, room_for
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.row import finish_row
 from parisph.kernels.smoothing import quartic_weight
 
 
 @kernel
-def gfd_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-             role: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def gfd_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
     """Fill the rows of inner particles with the Laplacian of a least-squares polynomial of degree 2.
 
     p_j - p_i is fitted by the polynomials of degree 1 and 2, 5 in 2D and 9 in 3D: x, y, x^2 - y^2, xy, r^2 in 2D.
@@ -22,17 +22,18 @@ def gfd_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure
     quadratics on any particles. Values may be negative. A row with fewer than 6 neighbours (3D: 10) within the
     radius, or with neighbours that do not span the polynomials, is given up: no entries, measure 0.
 
-    count, columns, values, measure : as of `schwaiger.cisph1_rows`; radius : of the quartic weight [m]
+    radius : of the quartic weight [m]
     """
+    indptr, axes = cloud.indptr, cloud.axes
     dim, room, size = len(axes), room_for(indptr), basis_size(axes) + 1
     scale = QUADRATIC_UNIT * radius
     basis, w = np.zeros((size + 3, room)), np.empty((1, room))
     matrix, right = np.empty((size, size + 3)), np.empty(size)
     for i in range(len(indptr) - 1):
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             continue
         first = indptr[i]
-        n = gather_within(basis, columns, first, i, x, role, scale, radius, indptr, indices, axes)
+        n = gather_within(basis, rows.columns, first, i, cloud, scale, radius)
         m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
         found = _weigh(w, basis, size, m)
@@ -46,8 +47,8 @@ def gfd_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure
             c = 0.0
             for r in range(size):
                 c += right[r] * basis[r, k]
-            values[first + k] = w[0, k] * c
-        finish_row(i, first, n, 2.0 * dim / (scale * scale), sound, count, values, measure)
+            rows.values[first + k] = w[0, k] * c
+        finish_row(rows, i, first, n, 2.0 * dim / (scale * scale), sound)
 
 
 @inlined

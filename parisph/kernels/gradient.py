@@ -9,7 +9,8 @@ from parisph.kernels import harmonic
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import invert, pair_weight
-from parisph.kernels.near import dot, fill_up, gather, room_for, sum_changes, sum_moments, weigh, weights
+from parisph.kernels.near import Form, dot, fill_up, gather, room_for, sum_changes, sum_moments, weigh, weights
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 from parisph.kernels.solids import element_normal, nearest_point
@@ -19,12 +20,13 @@ TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
 # neighbours lie on one side.
 ACROSS, ALONG = 0.1, 0.01
 SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
+# Spacings from a wall within which its datum helps a gradient with too few neighbours. In the tip of water on a flat
+# beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
+DATUM = 1.4
 
 
 @kernel
-def least_squares_gradient(out: np.ndarray, known: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray,
-                           radius: float, power: int, floor: float, indptr: np.ndarray, indices: np.ndarray,
-                           axes: tuple[int, ...]) -> None:
+def least_squares_gradient(out: np.ndarray, known: np.ndarray, cloud: Cloud, f: np.ndarray, form: Form) -> None:
     """First-order least-squares gradient of f at fluid particles.
 
     power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
@@ -33,13 +35,13 @@ def least_squares_gradient(out: np.ndarray, known: np.ndarray, f: np.ndarray, x:
     grad W = (W'/r) r_ij makes it a least-squares fit with the weight -W'/r. Eq. 27, and L in Eq. 28, lack
     m_j/rho_j; with it the volumes cancel. Exact for linear f on any set.
 
-    out : (n_owned, dim) [unit of f per m]; zero for walls, and for particles with fewer than
-        dim + 1 neighbours; where det/(trace/dim)^dim of the moment < floor, the slope across the
-        line of the neighbours (3D: their line or plane) is damped
-    known : (n_owned,) bool, where out stays
-    role : particles with fewer than dim + 1 neighbours, or with all in one place, become BALLISTIC
-    f, x, role : owned and ghost
+    Particles with fewer than dim + 1 neighbours, or with all in one place, get the role BALLISTIC.
+
+    out : (n_owned, dim) [unit of f per m]; zero for walls and BALLISTIC particles; below the floor of the form, the
+        slope across the line of the neighbours (3D: their line or plane) is damped
+    known : (n_owned,) bool, where out stays; f : (n_all,)
     """
+    role, indptr, axes, radius = cloud.role, cloud.indptr, cloud.axes, form.radius
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((1, room)), np.empty((1, room))
     member = np.empty(room, np.int32)
@@ -52,14 +54,11 @@ def least_squares_gradient(out: np.ndarray, known: np.ndarray, f: np.ndarray, x:
             out[i, a] = 0.0
         if role[i] != INNER and role[i] != SURFACE:
             continue
-        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        n = gather(near, member, 0, i, cloud, radius)
         columns = fill_up(near, n, axes)
-        quality = fitted(m, inverse, moments, weighted, near, power, columns, axes)
-        if quality == TOO_FEW:
+        quality = fitted(m, inverse, moments, weighted, near, form.power, columns, axes)
+        if quality == TOO_FEW or (quality < form.floor and not _soften(m, inverse, form.floor - quality, axes)):
             role[i] = BALLISTIC
-            continue
-        if quality < floor and not _soften(m, inverse, floor - quality, axes):
-            role[i] = BALLISTIC     # all in one place
             continue
         for k in range(n):
             difference[0, k] = f[np.uint32(member[k])] - f[i]
@@ -123,41 +122,37 @@ def _soften(m, inverse, lack, axes):
 
 
 @kernel
-def regain_role(role: np.ndarray, start_role: np.ndarray, x: np.ndarray, radius: float, power: int, floor: float,
-                indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def regain_role(start_role: np.ndarray, cloud: Cloud, form: Form) -> None:
     """Give owned fluid in free flight its role of the start, once its neighbours would support a gradient again.
 
-    For a surface that keeps its particles: nothing else would end their flight. A `floor` above that of
+    For a surface that keeps its particles: nothing else would end their flight. A floor above that of
     least_squares_gradient keeps a particle from switching back and forth between the two roles.
 
-    role : (n_all,), changed; start_role : (n_owned,); others as of least_squares_gradient
+    start_role : (n_owned,)
     """
+    indptr, axes = cloud.indptr, cloud.axes
     dim, room = len(axes), room_for(indptr)
     near, weighted, member = np.empty((dim, room)), np.empty((1, room)), np.empty(room, np.int32)
     m, inverse, moments = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((moment_count(axes), 1))
     for i in range(len(indptr) - 1):
-        if role[i] != BALLISTIC:
+        if cloud.role[i] != BALLISTIC:
             continue
-        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
-        columns = fill_up(near, n, axes)
-        if fitted(m, inverse, moments, weighted, near, power, columns, axes) >= floor:
-            role[i] = start_role[i]
+        columns = fill_up(near, gather(near, member, 0, i, cloud, form.radius), axes)
+        if fitted(m, inverse, moments, weighted, near, form.power, columns, axes) >= form.floor:
+            cloud.role[i] = start_role[i]
 
 
 @kernel
-def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, most: float,
-                      indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float, most: float) -> None:
     """Replace the gradient at surface particles by that of the harmonic fit.
 
     Rows whose neighbours do not span the harmonic basis keep their value in `out`, as do those where the harmonic terms
     raise the variance of the slope to more than `most` times that of a linear fit.
     """
-    dim = len(axes)
-    c, work, b = harmonic.scratch(indptr, axes)
+    indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
+    c, work, b = harmonic.scratch(indptr, cloud.axes)
     for i in range(len(indptr) - 1):
-        if role[i] != SURFACE:
-            continue
-        if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
+        if cloud.role[i] != SURFACE or not harmonic.coefficients(c, i, cloud, radius, most, work, b):
             continue
         out[i, :] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
@@ -166,76 +161,91 @@ def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.nd
 
 
 @kernel
-def gradient_at_walls(out: np.ndarray, known: np.ndarray, f: np.ndarray, slope_here: np.ndarray, less: np.ndarray,
-                      x: np.ndarray, role: np.ndarray, radius: float, power: int, floor: float, near_wall: float,
-                      corners: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
-                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: Walls, f: np.ndarray, here: np.ndarray,
+                      less: np.ndarray, form: Form) -> None:
     """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall for a datum.
 
     M becomes M + w n n^T, and b becomes b + w n (n . slope), w = tr M, where n is the normal of the nearest element.
     Without it a particle at a contact line, in a wedge of water, may fall freely and stir everything. Exact for f with
-    this slope at the wall. Particles that become a slope by it are no longer BALLISTIC but SURFACE.
+    this slope at the wall. Particles that get a slope by it are no longer BALLISTIC but SURFACE.
 
-    slope_here : (n_all, dim), and less : (M, dim), of elements: the gradient of f at a wall has the normal part of
-        their difference; role : (n_all,), changed
-    near_wall : [m], from an element at which its datum counts; others as there
+    here : (n_all, dim), less : (M, dim), of elements; the gradient of f at a wall has the normal part of here - less
     """
+    role, indptr, axes, radius = cloud.role, cloud.indptr, cloud.axes, form.radius
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
     member = np.empty(room, np.int32)
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
-    place, foot, best = np.empty(dim), np.empty(dim), np.empty(dim)
+    normal, places = np.empty(dim), (np.empty(dim), np.empty(dim))
     for i in range(len(indptr) - 1):
-        if known[i] or element_indptr[i] == element_indptr[i + 1] or role[i] not in (INNER, SURFACE, BALLISTIC):
+        if known[i] or walls.indptr[i] == walls.indptr[i + 1] or role[i] not in (INNER, SURFACE, BALLISTIC):
             continue
-        count = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
-        columns = fill_up(near, count, axes)
-        quality = support(m, inverse, weighted, near, power, count, columns, axes)
-        if quality >= floor:
+        n = gather(near, member, 0, i, cloud, radius)
+        columns = fill_up(near, n, axes)
+        if support(m, inverse, weighted, near, form.power, n, columns, axes) >= form.floor:
             continue
-        least, nearest = near_wall * near_wall, -1
-        for k in range(element_indptr[i], element_indptr[i + 1]):
-            e = element_indices[k]
-            for a in range(dim):
-                place[a] = x[i, a]
-            nearest_point(foot, place, e, corners, axes)
-            r2 = 0.0
-            for a in range(dim):
-                r2 += (place[a] - foot[a]) ** 2
-            if r2 < least:
-                least, nearest = r2, e
-                element_normal(best, e, corners, axes)
-        if nearest < 0:
+        e = _nearest_element(normal, places, i, cloud, walls)
+        if e < 0:
             continue
-        trace, slope = 0.0, 0.0
-        for a in range(dim):
-            trace += m[a, a]
-            slope += best[a] * (slope_here[i, a] - less[nearest, a])
-        for a in range(dim):
-            for b in range(dim):
-                m[a, b] += trace * best[a] * best[b]
+        trace, across = _add_wall(m, normal, i, e, here, less, axes)
         quality = invert(m, inverse, axes)
-        if not quality > 0.0 or (quality < floor and not _soften(m, inverse, floor - quality, axes)):
+        if not quality > 0.0 or (quality < form.floor and not _soften(m, inverse, form.floor - quality, axes)):
             continue
         for k in range(columns):
-            difference[0, k] = (f[member[k]] - f[i]) / radius if k < count else 0.0
+            difference[0, k] = (f[member[k]] - f[i]) / radius if k < n else 0.0
         out[i, :] = 0.0
         for b in range(dim):
-            right = dot(weighted, 1 + b, difference, 0, columns) + trace * best[b] * slope
+            right = dot(weighted, 1 + b, difference, 0, columns) + trace * normal[b] * across
             for a in range(dim):
                 out[i, a] += inverse[a, b] * right
         if role[i] == BALLISTIC:
             role[i] = SURFACE
 
 
+@subkernel
+def _nearest_element(normal, places, i, cloud, walls):
+    """Return the nearest element that i sees, -1 if it is too far for a datum, and write its normal.
+
+    places : ((dim,), (dim,)) scratch
+    """
+    (place, foot), dim, within = places, len(cloud.axes), DATUM * cloud.spacing
+    least, nearest = within * within, -1
+    for k in range(walls.indptr[i], walls.indptr[i + 1]):
+        e = walls.indices[k]
+        for a in range(dim):
+            place[a] = cloud.x[i, a]
+        nearest_point(foot, place, e, walls.corners, cloud.axes)
+        r2 = 0.0
+        for a in range(dim):
+            r2 += (place[a] - foot[a]) ** 2
+        if r2 < least:
+            least, nearest = r2, e
+            element_normal(normal, e, walls.corners, cloud.axes)
+    return nearest
+
+
+@inlined
+def _add_wall(m, normal, i, e, here, less, axes):
+    """Add the datum of element e to the moment m; return its weight and the slope across the wall."""
+    trace, across = 0.0, 0.0
+    for a in range(len(axes)):
+        trace += m[a, a]
+        across += normal[a] * (here[i, a] - less[e, a])
+    for a in range(len(axes)):
+        for b in range(len(axes)):
+            m[a, b] += trace * normal[a] * normal[b]
+    return trace, across
+
+
 @kernel
-def symmetric_gradient(out: np.ndarray, p: np.ndarray, x: np.ndarray, role: np.ndarray, h: float, volume: float,
-                       indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def symmetric_gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, h: float, volume: float) -> None:
     """Momentum-conserving gradient (Zheng et al. 2017, Eq. 25, with the missing m_j).
 
     grad p_i = sum_j V (p_i + p_j) grad_i W_ij, at equal densities.
+
+    h : smoothing length of the cubic spline [m]; volume : V, of every particle [m^dim]
     """
-    dim = len(axes)
+    x, role, indptr, indices, dim = cloud.x, cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
     for i in range(len(indptr) - 1):
         out[i, :] = 0.0
         if role[i] != INNER and role[i] != SURFACE:
@@ -253,9 +263,7 @@ def symmetric_gradient(out: np.ndarray, p: np.ndarray, x: np.ndarray, role: np.n
 
 
 @kernel
-def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                  role: np.ndarray, wall_u: np.ndarray, shear: np.ndarray, radius: float, indptr: np.ndarray,
-                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.ndarray, radius: float) -> None:
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
     The tangential part is the value at the wall of a linear fit through the fluid within the
@@ -265,28 +273,26 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
     with the wall.
 
     u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]; shear : (n_owned, dim) [1/s], the
-        change of the tangential part per distance from the wall
+        change of the tangential part per distance from the wall; radius : of the weight [m]
     """
-    dim = len(axes)
-    radius2 = radius * radius
-    m, inverse, mean = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
-    for i in range(len(indptr) - 1):
-        if kind[i] != WALL:
+    dim = len(cloud.axes)
+    work = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
+    for i in range(len(cloud.indptr) - 1):
+        if cloud.kind[i] != WALL:
             continue
         for a in range(dim):
             u[i, a] = wall_u[i, a]
-        if corner[i] or outside(role[i]):
-            continue
-        _extrapolate(u, i, x, kind, normal, wall_u, shear, m, inverse, mean, radius2, indptr, indices, axes)
+        if not (cloud.corner[i] or outside(cloud.role[i])):
+            _extrapolate(u, i, cloud, wall_u, shear, work, radius * radius)
 
 
 @kernel
-def mean_beside_walls(f: np.ndarray, x: np.ndarray, kind: np.ndarray, radius: float, indptr: np.ndarray,
-                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def mean_beside_walls(f: np.ndarray, cloud: Cloud, radius: float) -> None:
     """Write to owned wall particles the weighted mean of a field of the fluid within a radius, 0 where there is none.
 
     f : (n_all,); radius : of the weight [m]
     """
+    kind, indptr, indices = cloud.kind, cloud.indptr, cloud.indices
     for i in range(len(indptr) - 1):
         if kind[i] != WALL:
             continue
@@ -294,16 +300,17 @@ def mean_beside_walls(f: np.ndarray, x: np.ndarray, kind: np.ndarray, radius: fl
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if kind[j] != WALL:
-                w, _ = pair_weight(i, j, x, radius * radius, 0, axes)
+                w, _ = pair_weight(i, j, cloud.x, radius * radius, 0, cloud.axes)
                 total += w * f[j]
                 weight += w
         f[i] = total / weight if weight > 0.0 else 0.0
 
 
 @subkernel
-def _extrapolate(u, i, x, kind, normal, wall_u, shear, m, inverse, mean, radius2, indptr, indices, axes):
-    """Fit u linearly, and set the tangential value at the wall. m, inverse : (dim, dim), mean : (dim,) scratch"""
-    dim = len(axes)
+def _extrapolate(u, i, cloud, wall_u, shear, work, radius2):
+    """Fit u linearly, and set the tangential value at the wall. work : (dim, dim), (dim, dim) and (dim,) scratch"""
+    x, kind, normal, indptr, indices, axes = cloud.x, cloud.kind, cloud.normal, cloud.indptr, cloud.indices, cloud.axes
+    (m, inverse, mean), dim = work, len(axes)
     total = 0.0
     mean[:] = 0.0
     m[:, :] = 0.0

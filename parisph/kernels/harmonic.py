@@ -5,11 +5,14 @@ second order. It needs far fewer neighbours than a full quadratic fit, which sui
 stencils at walls and at the surface. The two harmonic terms of degree 3 (seven in 3D) make it of third order.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.moments import PIVOT_FLOOR, cholesky, cholesky_solve, invert, normal_matrix
 from parisph.kernels.near import LANES, dot4
+from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
@@ -17,6 +20,34 @@ from parisph.kernels.smoothing import quartic_weight
 # one. A slope across a wall weighs as much as a difference between values over this length; a quarter or four times of
 # it do as well.
 UNIT = 0.4
+
+
+class Slopes(NamedTuple):
+    """Slopes across walls, data of a fit.
+
+    value : (n_all,), n . grad f; known : (n_all,) bool, at which walls it is one
+    """
+
+    value: np.ndarray
+    known: np.ndarray
+
+
+class Fit(NamedTuple):
+    """The data of a fit by harmonic polynomials up to degree 3, and its linear system.
+
+    b : (terms + 4, columns), polynomials, and data in the row after them, with whole LANES of columns, and of rows
+    w : (1, columns) weights
+    work, right : (terms, terms + 3), (terms + 3,) moments, a lower triangle, of the polynomials and of the data
+    moment, rest, inverse : (dim, dim) scratch
+    """
+
+    b: np.ndarray
+    w: np.ndarray
+    work: np.ndarray
+    right: np.ndarray
+    moment: np.ndarray
+    rest: np.ndarray
+    inverse: np.ndarray
 
 
 @subkernel
@@ -57,12 +88,13 @@ def fill_values(b: np.ndarray, m: int, degree: int, axes: tuple[int, ...]) -> No
 
 
 @inlined
-def fill_slopes(b: np.ndarray, k: int, x: float, y: float, z: float, p: float, q: float, r: float,
+def fill_slopes(b: np.ndarray, k: int, place: tuple[float, float, float], direction: tuple[float, float, float],
                 axes: tuple[int, ...]) -> None:
-    """Write the derivatives of the polynomials up to degree 3 in the direction (p, q, r) at (x, y, z) to column k.
+    """Write the derivatives of the polynomials up to degree 3 in a direction at a place to column k.
 
-    In 2D, z and r are not used.
+    In 2D, the third coordinates are not used.
     """
+    (x, y, z), (p, q, r) = place, direction
     b[0, k], b[1, k] = p, q
     if len(axes) == 2:
         b[2, k], b[3, k] = 2.0 * (x * p - y * q), y * p + x * q
@@ -91,19 +123,26 @@ def weigh(w: np.ndarray, near: np.ndarray, m: int, axes: tuple[int, ...]) -> Non
         w[0, k] = quartic_weight(r2, 1.0 / UNIT**2)
 
 
+@subkernel
+def fit_of(columns: int, axes: tuple[int, ...]) -> Fit:
+    """Return a Fit with room for so many columns."""
+    dim, size = len(axes), terms(3, axes)
+    return Fit(np.zeros((size + 4, columns)), np.empty((1, columns)), np.empty((size, size + 3)), np.empty(size + 3),
+               np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim)))
+
+
 @inlined
-def add_slopes(b: np.ndarray, w: np.ndarray, m: int, i: int, slope: np.ndarray, known: np.ndarray, lap: float,
-               unit: float, scale: float, radius: float, x: np.ndarray, normal: np.ndarray, indptr: np.ndarray,
-               indices: np.ndarray, axes: tuple[int, ...]) -> int:
+def add_slopes(fit: Fit, m: int, i: int, cloud: Cloud, slopes: Slopes, lap: float, scale: float, radius: float) -> int:
     """Add a column for each slope across a wall that is known, of i and around it; return how many there are then.
 
-    m : columns that there are; lap : what slopes grow by with the distance [1/m]; unit : of lengths [m]
-    scale : of data; others : as of harmonic_gradient
+    m : columns that there are; lap : what slopes grow by with the distance [1/m]; scale : of data
+    radius : of the weight [m], the UNIT of which is that of lengths
     """
+    x, normal, indptr, axes, unit = cloud.x, cloud.normal, cloud.indptr, cloud.axes, UNIT * radius
     radius2, z, r, first = radius * radius, 0.0, 0.0, np.uint32(indptr[i])
     for k in range(first, np.uint32(indptr[i + 1]) + np.uint32(1)):
-        j = np.uint32(i if k == first else indices[np.uint32(k - 1)])
-        if not known[j]:
+        j = np.uint32(i if k == first else cloud.indices[np.uint32(k - 1)])
+        if not slopes.known[j]:
             continue
         dx, dy, p, q = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], normal[j, 0], normal[j, 1]
         r2, away = dx * dx + dy * dy, p * dx + q * dy
@@ -113,21 +152,16 @@ def add_slopes(b: np.ndarray, w: np.ndarray, m: int, i: int, slope: np.ndarray, 
             away += r * z
         weight = quartic_weight(r2, radius2)
         if weight > 0.0:
-            fill_slopes(b, m, dx / unit, dy / unit, z / unit, p, q, r, axes)
-            w[0, m], b[terms(3, axes), m] = weight, (slope[j] - lap * away) * scale
+            fill_slopes(fit.b, m, (dx / unit, dy / unit, z / unit), (p, q, r), axes)
+            fit.w[0, m], fit.b[terms(3, axes), m] = weight, (slopes.value[j] - lap * away) * scale
             m += 1
     return m
 
 
 @inlined
-def assemble(work: np.ndarray, right: np.ndarray, b: np.ndarray, w: np.ndarray, m: int, n: int,
-             axes: tuple[int, ...]) -> None:
-    """Write the moments of the first n polynomials, a lower triangle, and of the data, from m columns.
-
-    work : (n, n + 3); right : (n + 3,)
-    b : polynomials up to degree 3, and data in the row after them, with whole LANES of columns, and of rows
-    w : (1, columns) weights
-    """
+def assemble(fit: Fit, m: int, n: int, axes: tuple[int, ...]) -> None:
+    """Write the moments of the first n polynomials and of the data, from m columns."""
+    b, w, work, right = fit.b, fit.w, fit.work, fit.right
     if m == 0:
         for r in range(n):
             right[r] = 0.0
@@ -145,16 +179,15 @@ def assemble(work: np.ndarray, right: np.ndarray, b: np.ndarray, w: np.ndarray, 
 
 
 @inlined
-def solve(right: np.ndarray, work: np.ndarray, moment: np.ndarray, rest: np.ndarray, inverse: np.ndarray, n: int,
-          few: int, most: float, axes: tuple[int, ...]) -> bool:
-    """Write the first coefficients of n polynomials to right, from moments; return whether the fit is sound.
+def solve(fit: Fit, n: int, few: int, most: float, axes: tuple[int, ...]) -> bool:
+    """Write the first coefficients of n polynomials to `right`, from moments; return whether the fit is sound.
 
     It is not where the data do not determine the coefficients, or the terms above the first degree raise the variance
     of the slope to more than `most` times that of a linear fit.
 
-    right, work : of `assemble`, overwritten; few : coefficients that are wanted, at least those of degree 1
-    moment, rest, inverse : (dim, dim) scratch
+    few : coefficients that are wanted, at least those of degree 1
     """
+    work, right, moment, rest, inverse = fit.work, fit.right, fit.moment, fit.rest, fit.inverse
     dim = len(axes)
     largest, sound = 0.0, True
     for a in range(dim):
@@ -194,22 +227,21 @@ def solve(right: np.ndarray, work: np.ndarray, moment: np.ndarray, rest: np.ndar
 
 
 @subkernel
-def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius: float, most: float,
-                 work: np.ndarray, b: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
-                 axes: tuple[int, ...]) -> bool:
+def coefficients(out: np.ndarray, i: int, cloud: Cloud, radius: float, most: float, work: np.ndarray,
+                 b: np.ndarray) -> bool:
     """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
-    out : (at least the number of neighbours of i, dim), in the order of the list of i [1/m]
+    Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
+
+    out, work, b : of `scratch`, out [1/m] in the order of the list of i; radius : of the quartic weight [m]
     most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions
         of the ratio to a linear fit, for noise of variance 1/w, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its
         linear block M = A_11; infinite for no limit
-    work : (basis, basis), b : (basis,) scratch.
-    Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
     """
-    dim, n = len(axes), basis_size(axes)
+    x, role, indptr, indices, axes = cloud.x, cloud.role, cloud.indptr, cloud.indices, cloud.axes
+    dim, n, found = len(axes), basis_size(axes), 0
     radius2, column = radius * radius, b.reshape(n, 1)
     work[:n, :n] = 0.0
-    found = 0
     for k in range(indptr[i], indptr[i + 1]):
         w = _weight(i, indices[k], x, role, radius2, axes)
         if w == 0.0:
@@ -273,7 +305,7 @@ def _weight(i, j, x, role, radius2, axes):
 
 @subkernel
 def scratch(indptr: np.ndarray, axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return scratch arrays (coefficients, work, b) for `coefficients`, large enough for any row."""
+    """Return arrays (out, work, b) for `coefficients`, large enough for any row."""
     longest = 1
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])

@@ -11,55 +11,54 @@ from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import harmonic
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import fill_up, gather_within, room_for
+from parisph.kernels.records import Cloud
 
 
 @kernel
-def harmonic_gradient(out: np.ndarray, f: np.ndarray, slope: np.ndarray, known: np.ndarray, laplacian: np.ndarray,
-                      x: np.ndarray, role: np.ndarray, normal: np.ndarray, radius: float, most: float,
-                      indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
+def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harmonic.Slopes, laplacian: np.ndarray,
+                      radius: float, most: float) -> np.ndarray:
     """Write the gradient at fluid with a pressure by the harmonic fit, and return where there is one (n_owned,) bool.
 
     The polynomials are of degree 3. Where the neighbours do not span them, or the terms above the first degree raise
     the variance of the slope to more than `most` times that of a linear fit, they are of degree 2. Where the neighbours
     do not suffice for these either, `out` keeps its value.
 
-    out : (n_owned, dim), changed [unit of f per m]; f, x, role : (n_all, ...)
-    slope : (n_all,) n . grad f at the walls that are `known` (n_all,) bool; normal : (n_all, dim)
+    out : (n_owned, dim), changed [unit of f per m]; f : (n_all,)
     laplacian : (n_owned,) of f [unit of f per m^2], or without rows if f is harmonic. What it adds to values around a
         particle, lap r^2/(2 dim), and to slopes is not harmonic but known.
-    radius [m]
+    radius : of the weight [m]
     """
-    dim, room, size, less = len(axes), 2 * room_for(indptr), harmonic.terms(3, axes), harmonic.terms(2, axes)
-    b, w, member = np.zeros((size + 4, room)), np.empty((1, room)), np.empty(room, np.int32)
-    right, work = np.empty(size + 3), np.empty((size, size + 3))
-    moment, rest, inverse = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim))
+    role, indptr, axes = cloud.role, cloud.indptr, cloud.axes
+    dim, room, size, less = len(axes), room_for(indptr), harmonic.terms(3, axes), harmonic.terms(2, axes)
+    fit, member = harmonic.fit_of(2 * room, axes), np.empty(room, np.int32)
     unit, found = harmonic.UNIT * radius, np.zeros(len(indptr) - 1, np.bool_)
     for i in range(len(indptr) - 1):
         if role[i] != INNER and role[i] != SURFACE:
             continue
-        n = gather_within(b, member, 0, i, x, role, unit, radius, indptr, indices, axes)
+        n = gather_within(fit.b, member, 0, i, cloud, unit, radius)
         if n <= dim:    # in free flight, whatever walls are near
             continue
         lap = laplacian[i] / dim if len(laplacian) > 0 else 0.0
-        _values(b, w, member, n, i, f, 0.5 * lap * unit * unit, size, axes)
-        m = harmonic.add_slopes(b, w, n, i, slope, known, lap, unit, unit, radius, x, normal, indptr, indices, axes)
+        _values(fit, member, n, i, f, 0.5 * lap * unit * unit, axes)
+        m = harmonic.add_slopes(fit, n, i, cloud, slopes, lap, unit, radius)
         if m > size:
-            harmonic.assemble(work, right, b, w, m, size, axes)
-            found[i] = harmonic.solve(right, work, moment, rest, inverse, size, dim, most, axes)
+            harmonic.assemble(fit, m, size, axes)
+            found[i] = harmonic.solve(fit, size, dim, most, axes)
         if m > less and not found[i]:
-            harmonic.assemble(work, right, b, w, m, less, axes)
-            found[i] = harmonic.solve(right, work, moment, rest, inverse, less, dim, most, axes)
+            harmonic.assemble(fit, m, less, axes)
+            found[i] = harmonic.solve(fit, less, dim, most, axes)
         for a in range(dim if found[i] else 0):
-            out[i, a] = right[a] / unit
+            out[i, a] = fit.right[a] / unit
     return found
 
 
 @inlined
-def _values(b, w, member, n, i, f, bend, size, axes):
+def _values(fit, member, n, i, f, bend, axes):
     """Complete the columns of n neighbours: polynomials, weights and data. bend : lap/(2 dim), lengths in units."""
+    b, size = fit.b, harmonic.terms(3, axes)
     m = fill_up(b, n, axes)
     harmonic.fill_values(b, m, 3, axes)
-    harmonic.weigh(w, b, m, axes)
+    harmonic.weigh(fit.w, b, m, axes)
     for k in range(m):
         r2 = b[0, k] ** 2 + b[1, k] ** 2
         if len(axes) == 3:

@@ -12,27 +12,27 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE
 from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.records import Cloud
 
 MOST = 256  # neighbours of one particle; a cell with more is skipped
 
 
 @kernel
-def interior_cells(x: np.ndarray, role: np.ndarray, away: float, reach: float, indptr: np.ndarray,
-                   indices: np.ndarray) -> tuple[float, int]:
+def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]:
     """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
 
     Inside means: inner fluid particles farther than `away` from every surface and ballistic
     particle. The sites are fluid and wall particles. A cell is skipped if the neighbours within the
     reach do not close it, because its area would depend on the lists.
 
-    x : (n_all, 2) [m]; role : (n_all,); away <= reach : radii of the lists or less [m]
+    away <= reach : radii of the lists or less [m]
     """
     rx, ry, limit, along = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
     total, count = 0.0, 0
-    for i in range(len(indptr) - 1):
-        if role[i] != INNER:
+    for i in range(len(cloud.indptr) - 1):
+        if cloud.role[i] != INNER:
             continue
-        n = _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices)
+        n = _neighbours(rx, ry, limit, i, cloud, away, reach)
         area, farthest2 = _walk(rx, ry, limit, along, n)
         # a site beyond the reach can only cut off corners farther away than half the reach
         if 4.0 * farthest2 < reach * reach:
@@ -42,11 +42,11 @@ def interior_cells(x: np.ndarray, role: np.ndarray, away: float, reach: float, i
 
 
 @subkernel
-def _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices):
+def _neighbours(rx, ry, limit, i, cloud, away, reach):
     """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near the surface."""
-    n = 0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
+    x, role, n = cloud.x, cloud.role, 0
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
         dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
         d2 = dx * dx + dy * dy
         if (role[j] == SURFACE or role[j] == BALLISTIC) and d2 < away * away:

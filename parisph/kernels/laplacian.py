@@ -2,25 +2,24 @@
 
 import math
 
-import numpy as np
-
 from parisph.base.fields import INNER
 from parisph.kernels.jit import kernel
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 
 
 @kernel
-def isph_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-              role: np.ndarray, h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
-              axes: tuple[int, ...]) -> None:
+def isph_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:
     """Fill the rows of inner particles with the SPH Laplacian (Zheng, Ma & Duan 2014, Eq. 20a).
 
-    lap p_i = sum_j 2 V (r_ij . grad W_ij)/(r_ij^2 + delta^2) (p_i - p_j), delta = 0.1 h. With
-    row_I(p) = p_I - sum_J values_J p_J the equation is row_I(p) = -measure_I lap p. A row without
+    lap p_i = sum_j 2 V (r_ij . grad W_ij)/(r_ij^2 + delta^2) (p_i - p_j), delta = 0.1 h. A row without
     neighbours within the kernel's reach is empty, with measure 0.
+
+    h : smoothing length of the cubic spline [m]; volume : of a particle, at equal sizes [m^dim]
     """
-    dim = len(axes)
+    count, columns, values, measure = rows
+    x, role, indptr, indices, dim = cloud.x, cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
     delta2 = (0.1 * h) ** 2
     for i in range(len(indptr) - 1):
         if role[i] != INNER:

@@ -1,20 +1,39 @@
 """The mixed source of the pressure equation: divergence, what strain adds to it, and what earlier steps have left."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from parisph.base.fields import INNER
 from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.rankine import Invariants
+from parisph.kernels.records import Cloud
 
 STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
 EXPANSION = 0.01     # largest relative volume that a particle remembers: what rows cannot remove would grow for ever
 
 
+class Weights(NamedTuple):
+    """The numbers of the mixed source.
+
+    density [kg/m^3]; dt, usual : the step, and what it would be if it were not shortened [s]; zeta, strain : of the
+    divergence and the strain source; per_strain : strength of the removal of a residual, 0 to remove it at once
+    time : over which volume is given back [s]
+    """
+
+    density: float
+    dt: float
+    usual: float
+    zeta: float
+    strain: float
+    per_strain: float
+    time: float
+
+
 @kernel
-def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.ndarray, square: np.ndarray,
-          rate: np.ndarray, before: np.ndarray, force: np.ndarray, role: np.ndarray, density: float, spacing: float,
-          dt: float, usual: float, zeta: float, strain: float, per_strain: float, time: float) -> None:
+def mixed(target: np.ndarray, expansion: np.ndarray, cloud: Cloud, div: np.ndarray, left: np.ndarray,
+          before: Invariants, force: np.ndarray, weights: Weights) -> None:
     """Write rho/dt zeta d - strain rho S. d is the divergence, less what is put off, plus what is given back, and S the
     strain source.
 
@@ -27,23 +46,20 @@ def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.n
     strained stencils would add up: the mean level under a wave would drift in proportion to the step.
 
     target : (n,) output [Pa/m^2]; expansion : (n,), changed, or (0,) to give nothing back
-    left : (n,) the first of these divergences [1/s]; `before` is the second
-    div : (n,) of the predicted velocity [1/s]; square, rate, before : (n,), tr(G^2), sqrt(2 G:G) and tr(G) of the
-        velocity's gradient G at the start of the step
-    force : (n_all, dim) per unit mass [m/s^2]; role : (n_all,); density [kg/m^3]; spacing [m]
-    zeta, strain : weights of d and S, without a unit; dt, usual : the step, and what it would be if it were
-        not shortened [s]; per_strain : strength of the removal of a residual, 0 to remove it at once
-    time : over which volume is given back [s]
+    div : (n,) of the predicted velocity [1/s]; left : (n,) the first of the two divergences [1/s]
+    before : of the velocity at the start of the step, with the second divergence; force : (n_all, dim) [m/s^2]
     """
+    density, dt, usual, zeta, strain, per_strain, time = weights
     for i in range(len(target)):
-        own = strain_source(square[i], dt)
-        residual = before[i] + (2.0 - strain) * dt * own
+        own = strain_source(before.square[i], dt)
+        residual = before.div[i] + (2.0 - strain) * dt * own
         divergence = div[i]
         if per_strain > 0.0:
-            divergence -= put_off(residual, rate[i], _fall(force, i, spacing), per_strain, dt, usual)
+            fall = _fall(force, i, cloud.spacing)
+            divergence -= put_off(residual, before.rate[i], fall, per_strain, dt, usual)
         if len(expansion) > 0:
-            made = 0.5 * (left[i] + before[i])
-            expansion[i] = remembered(expansion[i], made, dt) if role[i] == INNER else 0.0
+            made = 0.5 * (left[i] + before.div[i])
+            expansion[i] = remembered(expansion[i], made, dt) if cloud.role[i] == INNER else 0.0
             divergence += expansion[i] / time
         target[i] = density / dt * zeta * divergence - strain * density * own
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.near import CLOSE, dot4
+from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
@@ -103,23 +104,21 @@ def eliminate(a: np.ndarray, b: np.ndarray, n: int) -> bool:
 
 
 @subkernel
-def second_moment(m: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius2: float, power: int,
-                  indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
+def second_moment(m: np.ndarray, i: int, cloud: Cloud, radius2: float, power: int) -> int:
     """Sum w r r^T over the neighbours of i, lengths in units of the radius.
 
     w is the quartic weight over r^power: power 2 for SFDI, 0 for Zheng et al. 2017 Eq. 28.
     Dry wall particles are skipped. Returns the number of neighbours in the sum.
     """
-    dim = len(axes)
+    x, dim, found = cloud.x, len(cloud.axes), 0
     for a in range(dim):
         for b in range(dim):
             m[a, b] = 0.0
-    found = 0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if outside(role[j]):
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
+        if outside(cloud.role[j]):
             continue
-        w, r2 = pair_weight(i, j, x, radius2, power, axes)
+        w, r2 = pair_weight(i, j, x, radius2, power, cloud.axes)
         if w == 0.0:
             continue
         found += 1

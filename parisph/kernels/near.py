@@ -7,10 +7,12 @@ for a remainder.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from parisph.kernels.jit import inlined, subkernel
+from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
@@ -20,6 +22,18 @@ FAR = 8.0  # in units of the radius of the weight
 # Weights of least squares that are not the quartic weight over a power of r: the cubic spline W whose
 # support is the radius, and its slope -W'/r.
 SPLINE, SPLINE_SLOPE = -1, -2
+
+
+class Form(NamedTuple):
+    """A linear fit by weighted least squares.
+
+    radius : of the weight [m]; power : of the weight (`weights`)
+    floor : of det/(trace/dim)^dim of the neighbours' moment, below which they are too few or too flat
+    """
+
+    radius: float
+    power: int
+    floor: float
 
 
 @subkernel
@@ -37,35 +51,36 @@ CLOSE = 0.0625
 
 
 @inlined
-def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, x: np.ndarray, role: np.ndarray, radius: float,
-           indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
+def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float) -> int:
     """Write the neighbours of i that are used in stencils, in units of the radius.
 
     near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
     Returns the number of neighbours.
     """
+    x, axes = cloud.x, cloud.axes
     # all indices are unsigned, so that numba adds no test for negative ones
     n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
-    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
-        j = np.uint32(indices[k])
+    for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
+        j = np.uint32(cloud.indices[k])
         member[np.uint32(start + n)] = j  # overwritten by the next one if j is not used
         near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale
         if len(axes) == 3:
             near[2, n] = (x[j, 2] - cz) * scale
-        n += np.uint32(not outside(role[j]))
+        n += np.uint32(not outside(cloud.role[j]))
     return np.int64(n)
 
 
 @inlined
-def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, x: np.ndarray, role: np.ndarray,
-                  radius: float, reach: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
+def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float,
+                  reach: float) -> int:
     """Write the neighbours as `gather` does, but only those nearer than the reach: lists may reach farther."""
+    x, axes = cloud.x, cloud.axes
     n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
     limit2 = reach * reach
-    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
-        j = np.uint32(indices[k])
+    for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
+        j = np.uint32(cloud.indices[k])
         dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy
         member[np.uint32(start + n)] = j
@@ -74,7 +89,7 @@ def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, x: n
             dz = x[j, 2] - cz
             r2 += dz * dz
             near[2, n] = dz * scale
-        n += np.uint32((not outside(role[j])) & (r2 < limit2))
+        n += np.uint32((not outside(cloud.role[j])) & (r2 < limit2))
     return np.int64(n)
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, WALL, WET
 from parisph.kernels import harmonic
-from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.near import fill_up, gather_within, room_for
+from parisph.kernels.records import Cloud
 
 
 class Potential(NamedTuple):
@@ -28,38 +29,25 @@ class Potential(NamedTuple):
 
 
 @kernel
-def fit_potential(beyond: np.ndarray, gradient: np.ndarray, square: np.ndarray, u: np.ndarray, x: np.ndarray,
-                  kind: np.ndarray, role: np.ndarray, known: np.ndarray, normal: np.ndarray, across: np.ndarray,
-                  radius: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.Slopes, radius: float) -> None:
     """Fit u = grad f around fluid and wet walls, with f a harmonic polynomial of degree 3.
 
     Where that takes more data than there are, as at walls in the edges of a box, it is of degree 2. The data are the
-    velocities of the fluid within the radius, the particle itself included, and those across walls.
+    velocities of the fluid within the radius, the particle itself included, and those across walls. All is 0 where the
+    data do not determine f.
 
-    beyond : (n_owned, dim) output [m/s], u - grad f of fluid, 0 elsewhere
-    gradient : (n_owned, dim, dim) output [1/s], grad grad f
-    square : (n_owned,) output [1/s^2], the sum of its squares; all are 0 where the data do not determine f
-    u : (n_all, dim) [m/s]; known : (n_all,) bool, walls with one normal; across : (n_all,) n . u of walls [m/s]
+    u : (n_all, dim) [m/s]; across : n . u of walls with one normal [m/s]; radius : of the weight [m]
     """
-    dim, size, less = len(axes), harmonic.terms(3, axes), harmonic.terms(2, axes)
-    room, columns = room_for(indptr), (dim if dim == 3 else 0) * room_for(indptr) + room_for(indptr)
-    b, w, member = np.zeros((size + 4, columns)), np.empty((1, columns)), np.empty(room, np.int32)
+    kind, role, indptr, axes = cloud.kind, cloud.role, cloud.indptr, cloud.axes
+    dim, room, size, less = len(axes), room_for(indptr), harmonic.terms(3, axes), harmonic.terms(2, axes)
+    fit, member = harmonic.fit_of((1 + (dim if dim == 3 else 0)) * room, axes), np.empty(room, np.int32)
     near, weight, v = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
-    right, work = np.empty(size + 3), np.empty((size, size + 3))
-    moment, rest, inverse = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim))
-    unit, fluid = harmonic.UNIT * radius, np.full(len(kind), np.int8(DRY))
-    for j in range(len(kind)):
-        if kind[j] == FLUID:
-            fluid[j] = INNER
+    unit, fluid = harmonic.UNIT * radius, _only_fluid(cloud)
     for i in range(len(indptr) - 1):
-        square[i] = 0.0
-        for a in range(dim):
-            beyond[i, a] = 0.0
-            for c in range(dim):
-                gradient[i, a, c] = 0.0
+        out.square[i], out.beyond[i, :], out.gradient[i, :, :] = 0.0, 0.0, 0.0
         if role[i] == BALLISTIC or (kind[i] == WALL and role[i] != WET):
             continue
-        n = gather_within(near, member, 0, i, x, fluid, unit, radius, indptr, indices, axes)
+        n = gather_within(near, member, 0, i, fluid, unit, radius)
         if kind[i] == FLUID:
             member[n] = i
             for a in range(dim):
@@ -67,71 +55,66 @@ def fit_potential(beyond: np.ndarray, gradient: np.ndarray, square: np.ndarray, 
             n += 1
         m = fill_up(near, n, axes)
         harmonic.weigh(weight, near, m, axes)
-        for k in range(n):
-            j = np.uint32(member[k])
-            for a in range(dim):
-                v[a, k] = u[j, a]
-        for k in range(n, m):
-            for a in range(dim):
-                v[a, k] = 0.0
-        first = _add_columns(b, w, weight, near, v, m, axes) if dim == 3 else 0
-        last = harmonic.add_slopes(b, w, first, i, across, known, 0.0, unit, 1.0, radius, x, normal, indptr, indices,
-                                   axes)
+        _velocities(v, u, member, n, m, axes)
+        first = _add_columns(fit, weight, near, v, m, axes) if dim == 3 else 0
+        last = harmonic.add_slopes(fit, first, i, cloud, across, 0.0, 1.0, radius)
         data, sound = dim * n + last - first, False
         if data > size:
-            harmonic.assemble(work, right, b, w, last, size, axes)
+            harmonic.assemble(fit, last, size, axes)
             if dim == 2:
-                _add_moments(work, right, weight, near, v, m)
-            sound = harmonic.solve(right, work, moment, rest, inverse, size, less, np.inf, axes)
+                _add_moments(fit, weight, near, v, m)
+            sound = harmonic.solve(fit, size, less, np.inf, axes)
         if data > less and not sound:    # not in a loop: of a number that is known the code is faster
-            harmonic.assemble(work, right, b, w, last, less, axes)
+            harmonic.assemble(fit, last, less, axes)
             if dim == 2:
-                _add_moments(work, right, weight, near, v, m)
-            sound = harmonic.solve(right, work, moment, rest, inverse, less, less, np.inf, axes)
+                _add_moments(fit, weight, near, v, m)
+            sound = harmonic.solve(fit, less, less, np.inf, axes)
         if sound:
-            square[i] = _curve(gradient, i, right, unit, axes)
+            out.square[i] = _curve(out.gradient, i, fit.right, unit, axes)
             for a in range(dim if kind[i] == FLUID else 0):
-                beyond[i, a] = u[i, a] - right[a]
+                out.beyond[i, a] = u[i, a] - fit.right[a]
+
+
+@subkernel
+def _only_fluid(cloud):
+    """Return the cloud with all fluid, and no wall, in stencils."""
+    x, kind, _, normal, corner, volume, indptr, indices, spacing, axes = cloud
+    role = np.where(kind == FLUID, np.int8(INNER), np.int8(DRY))
+    return Cloud(x, kind, role, normal, corner, volume, indptr, indices, spacing, axes)
 
 
 @inlined
-def _add_columns(b, w, weight, near, v, m, axes):
+def _velocities(v, u, member, n, m, axes):
+    """Write the velocities of n places to the first of m columns, and 0 to the others."""
+    for k in range(n):
+        j = np.uint32(member[k])
+        for a in range(len(axes)):
+            v[a, k] = u[j, a]
+    for k in range(n, m):
+        for a in range(len(axes)):
+            v[a, k] = 0.0
+
+
+@inlined
+def _add_columns(fit, weight, near, v, m, axes):
     """Write a column for each component of m velocities v; return the number of columns."""
     last, z = harmonic.terms(3, axes), 0.0
     for a in range(len(axes)):
-        p, q, r = 1.0 if a == 0 else 0.0, 1.0 if a == 1 else 0.0, 1.0 if a == 2 else 0.0
+        along = 1.0 if a == 0 else 0.0, 1.0 if a == 1 else 0.0, 1.0 if a == 2 else 0.0
         for k in range(m):
             if len(axes) == 3:
                 z = near[2, k]
-            harmonic.fill_slopes(b, a * m + k, near[0, k], near[1, k], z, p, q, r, axes)
+            harmonic.fill_slopes(fit.b, a * m + k, (near[0, k], near[1, k], z), along, axes)
         for k in range(m):    # in a loop of its own, which is vectorised
-            w[0, a * m + k], b[last, a * m + k] = weight[0, k], v[a, k]
+            fit.w[0, a * m + k], fit.b[last, a * m + k] = weight[0, k], v[a, k]
     return len(axes) * m
 
 
 @inlined
-def _add_moments(work, right, weight, near, v, m):
+def _add_moments(fit, weight, near, v, m):
     """Add the moments of m velocities in 2D, which nine sums give: u - i v is a polynomial of x + i y."""
-    s, sx, sy, sd, se, sr, rx, ry, rr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    r0, r1, r2, r3, r4, r5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(m):
-        w, x, y, p, q = weight[0, k], near[0, k], near[1, k], v[0, k], v[1, k]
-        square, d, e = x * x + y * y, 3.0 * (x * x - y * y), 6.0 * x * y
-        s += w
-        sx += w * x
-        sy += w * y
-        sd += w * d
-        se += w * e
-        sr += w * square
-        rx += w * square * x
-        ry += w * square * y
-        rr += w * square * square
-        r0 += w * p
-        r1 += w * q
-        r2 += w * (x * p - y * q)
-        r3 += w * (y * p + x * q)
-        r4 += w * (d * p - e * q)
-        r5 += w * (e * p + d * q)
+    work, right = fit.work, fit.right
+    s, sx, sy, sd, se, sr, rx, ry, rr, r0, r1, r2, r3, r4, r5 = _sums(weight, near, v, m)
     work[0, 0] += s
     work[1, 1] += s
     work[2, 0] += 2.0 * sx
@@ -156,6 +139,32 @@ def _add_moments(work, right, weight, near, v, m):
     right[3] += r3
     right[4] += r4
     right[5] += r5
+
+
+@inlined
+def _sums(weight, near, v, m):
+    """Return nine weighted sums over m places, and six over velocities: named scalars, which stay in registers."""
+    s, sx, sy, sd, se, sr, rx, ry, rr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    r0, r1, r2, r3, r4, r5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(m):
+        w, x, y, p, q = weight[0, k], near[0, k], near[1, k], v[0, k], v[1, k]
+        square, d, e = x * x + y * y, 3.0 * (x * x - y * y), 6.0 * x * y
+        s += w
+        sx += w * x
+        sy += w * y
+        sd += w * d
+        se += w * e
+        sr += w * square
+        rx += w * square * x
+        ry += w * square * y
+        rr += w * square * square
+        r0 += w * p
+        r1 += w * q
+        r2 += w * (x * p - y * q)
+        r3 += w * (y * p + x * q)
+        r4 += w * (d * p - e * q)
+        r5 += w * (e * p + d * q)
+    return s, sx, sy, sd, se, sr, rx, ry, rr, r0, r1, r2, r3, r4, r5
 
 
 @inlined

@@ -3,19 +3,18 @@
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.kernels.circle import fill_basis
+from parisph.kernels.circle import Circle, fill_basis
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import QUADRATIC_UNIT, cholesky, cholesky_solve, normal_matrix
 from parisph.kernels.near import fill_up, gather, room_for
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.row import finish_row
 from parisph.kernels.smoothing import quartic_weight
 
 
 @kernel
-def quadratic_rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray,
-                           x: np.ndarray, role: np.ndarray, unit: np.ndarray, circle: np.ndarray, radius: float,
-                           indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def quadratic_rankine_rows(rows: Rows, cloud: Cloud, circle: Circle) -> None:
     """Fill the rows of inner particles with the mean over a circle or sphere of a quadratic fit.
 
     mean p - p_I = (R^2/2 dim) lap p (Zheng, Ma & Duan 2014, Eqs. 21-23 and 33), as in `rankine`, where p is
@@ -24,24 +23,23 @@ def quadratic_rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.nd
     negative. A row is given up if the neighbours of a point do not span the polynomials of degree 2, 6 in 2D and
     10 in 3D.
 
-    count, columns, values, measure : as of `schwaiger.cisph1_rows`
-    unit : (K, dim) from `rankine.directions`; circle : R, about one spacing [m]
-    radius : of the moving least squares [m]; the lists should reach to circle + radius
+    circle : R is about one spacing, and the lists should reach to R + radius
     """
-    dim, points, room, size = len(axes), len(unit), room_for(indptr), basis_size(axes) + 2
-    scale = QUADRATIC_UNIT * radius
+    indptr, axes = cloud.indptr, cloud.axes
+    dim, points, room, size = len(axes), len(circle.unit), room_for(indptr), basis_size(axes) + 2
+    scale = QUADRATIC_UNIT * circle.radius
     at, basis, w, mean = np.zeros((size, points)), np.zeros((size + 3, room)), np.empty((1, room)), np.empty(room)
-    matrix, right = np.empty((size, size + 3)), np.empty(size)
+    system = np.empty((size, size + 3)), np.empty(size)
     for q in range(points):
         for a in range(dim):
-            at[a, q] = unit[q, a] * circle / scale
+            at[a, q] = circle.unit[q, a] * circle.size / scale
     fill_basis(at, points, axes)
     at[size - 1, :], basis[size - 1, :] = 1.0, 1.0
     for i in range(len(indptr) - 1):
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             continue
         first = indptr[i]
-        n = gather(basis, columns, first, i, x, role, scale, indptr, indices, axes)
+        n = gather(basis, rows.columns, first, i, cloud, scale)
         for a in range(dim):
             basis[a, n] = 0.0  # the particle itself comes last
         m = fill_up(basis, n + 1, axes)
@@ -50,15 +48,19 @@ def quadratic_rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.nd
             mean[k] = 0.0
         sound = True
         for q in range(points):
-            sound &= _add_shape(mean, w, basis, at, q, matrix, right, size, m, axes)
+            sound &= _add_shape(mean, w, basis, at, q, system, m, axes)
         for k in range(n):
-            values[first + k] = mean[k]
-        finish_row(i, first, n, 2.0 * dim / (points * circle * circle), sound, count, values, measure)
+            rows.values[first + k] = mean[k]
+        finish_row(rows, i, first, n, 2.0 * dim / (points * circle.size * circle.size), sound)
 
 
 @inlined
-def _add_shape(mean, w, basis, at, q, matrix, right, size, m, axes):
-    """Add the shape functions at point q, w_k b(x_q) . M^-1 b_k with M = sum w b b^T. False if M is degenerate."""
+def _add_shape(mean, w, basis, at, q, system, m, axes):
+    """Add the shape functions at point q, w_k b(x_q) . M^-1 b_k with M = sum w b b^T. False if M is degenerate.
+
+    system : (M, right-hand side), scratch
+    """
+    (matrix, right), size = system, basis_size(axes) + 2
     for k in range(m):
         r2 = 0.0
         for a in range(len(axes)):

@@ -11,16 +11,18 @@ M/R^2 at every resolution: 4.14 in 2D and 5.41 in 3D on the lattice.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.kernels.circle import fill_basis, sum_over_points, weigh
+from parisph.kernels.circle import Circle, fill_basis, sum_over_points, weigh
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
+from parisph.kernels.records import Cloud, Flux, Rows
 from parisph.kernels.smoothing import quartic_weight
 
 # Limits on negative weights, relative to the sum of a row. A jitter of 1.2 spacings gives -0.03; making
@@ -47,24 +49,17 @@ def directions(dim: int, count: int | None = None) -> np.ndarray:
 
 
 @kernel
-def rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, flux: np.ndarray,
-                 div: np.ndarray, u: np.ndarray, x: np.ndarray, role: np.ndarray, unit: np.ndarray, circle: np.ndarray,
-                 radius: float, normalised: bool, indptr: np.ndarray, indices: np.ndarray,
-                 axes: tuple[int, ...]) -> None:
-    """Fill the rows of inner particles, and the flux divergence of u.
+def rankine_rows(rows: Rows, flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle, normalised: bool) -> None:
+    """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
-    With row_I(p) = p_I - sum_J values_J p_J, the equation is row_I(p) = -measure_I lap p.
+    A row with too few neighbours becomes their mean, with measure 0. Else the measure is M/(2 dim), or R^2/(2 dim) as
+    printed [m^2].
 
-    count : (n_owned,) int32, entries of each row but its diagonal
-    columns, values : row I starts at indptr[I] (local column numbers)
-    measure : (n_owned,) M/(2 dim), or R^2/(2 dim) as printed [m^2]; 0 for a row with too few
-        neighbours, which becomes their mean
-    flux : (nnz, dim) so that div u_I = sum_J flux_J . (u_J - u_I) [1/m]
-    div : (n_owned,) div u from the flux through the circle [1/s]
-    unit : (K, dim) from `directions`; circle : R [m]; radius : of the moving least squares [m]
+    u : (n_all, dim) [m/s]; normalised : whether by M
     """
+    unit, radius, role, indptr, axes = circle.unit, circle.radius, cloud.role, cloud.indptr, cloud.axes
     dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
-    at = np.ascontiguousarray(unit.T) * (circle / radius)
+    at = np.ascontiguousarray(unit.T) * (circle.size / radius)
     basis, w = np.empty((size + 1, room)), np.empty((points, room))
     moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
     mean = np.empty((dim + 1, room))
@@ -72,8 +67,7 @@ def rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, mea
     for i in range(len(indptr) - 1):
         if role[i] != INNER:
             continue
-        first = indptr[i]
-        n = gather(basis, columns, first, i, x, role, radius, indptr, indices, axes)
+        n = gather(basis, rows.columns, indptr[i], i, cloud, radius)
         m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
         weigh(moments, w, basis, at, m, axes)
@@ -81,9 +75,13 @@ def rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, mea
         sum_over_points(mean, fit, w, basis, unit, m, axes)
         if normalised and n > size:
             _make_isotropic(mean, basis, w, m, matrix, right, axes)
-        count[i] = n
-        _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux, div, u, circle, radius,
-                points, normalised, axes)
+        rows.count[i] = n
+        total, spread, sound = _mean_over_circle(mean, basis, m, circle)
+        if spanned and sound:
+            rows.measure[i] = (spread if normalised else circle.size * circle.size) / (2.0 * dim * total)
+            _store(rows, flux, i, total, mean, cloud, u, circle)
+        else:
+            _store_mean(rows, flux, i, cloud)
 
 
 @inlined
@@ -125,96 +123,112 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
 
 
 @inlined
-def _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux, div, u, circle, radius, points,
-            normalised, axes):
-    """Scale the row to a unit diagonal, and sum the flux of u.
+def _mean_over_circle(mean, basis, m, circle):
+    """Return the means over the circle of the weights of neighbours [-] and of their r^2 [m^2], and whether a row with
+    them is sound.
 
-    The row has no Laplacian if the neighbours of a point of the circle do not span the plane (3D:
-    space), if its result for a parabola is almost zero, or if it extrapolates from neighbours that
-    all lie on one side.
+    It has no Laplacian if its result for a parabola is almost zero, or if it extrapolates from neighbours that all lie
+    on one side.
     """
-    dim = len(axes)
-    total, spread, lowest = 0.0, 0.0, 0.0
+    points, total, spread, lowest = len(circle.unit), 0.0, 0.0, 0.0
     for k in range(m):
         total += mean[0, k]
         lowest = min(lowest, mean[0, k])
         spread += mean[0, k] * basis[len(basis) - 1, k]
     total /= points
-    spread *= radius * radius / points
-    div[i] = 0.0
-    if spanned and total > 0.05 and spread > 0.1 * circle * circle and lowest > -UNSOUND * points * total:
-        measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
-        scale, outflow = 1.0 / (points * total), dim / (circle * points)
-        change, ux, uy = 0.0, u[i, 0], u[i, 1]
-        uz = u[i, 2] if dim == 3 else 0.0
-        for k in range(n):
-            t = np.uint32(first + k)    # unsigned, as in `near.gather`
-            j = np.uint32(columns[t])
-            values[t] = mean[0, k] * scale
-            fx, fy = mean[1, k] * outflow, mean[2, k] * outflow
-            flux[t, 0], flux[t, 1] = fx, fy
-            change += fx * (u[j, 0] - ux) + fy * (u[j, 1] - uy)
-            if dim == 3:
-                fz = mean[3, k] * outflow
-                flux[t, 2] = fz
-                change += fz * (u[j, 2] - uz)
-        div[i] = change
-    else:
-        measure[i] = 0.0
-        for k in range(first, first + n):
-            values[k] = 1.0 / n
-            for a in range(dim):
-                flux[k, a] = 0.0
+    spread *= circle.radius * circle.radius / points
+    sound = total > 0.05 and spread > 0.1 * circle.size * circle.size and lowest > -UNSOUND * points * total
+    return total, spread, sound
+
+
+@inlined
+def _store(rows, flux, i, total, mean, cloud, u, circle):
+    """Write a row and a stencil by the sums over the circle, and sum the flux of u."""
+    first, points, dim = cloud.indptr[i], len(circle.unit), len(cloud.axes)
+    scale, outflow = 1.0 / (points * total), dim / (circle.size * points)
+    change, ux, uy = 0.0, u[i, 0], u[i, 1]
+    uz = u[i, 2] if len(cloud.axes) == 3 else 0.0
+    for k in range(rows.count[i]):
+        t = np.uint32(first + k)    # unsigned, as in `near.gather`
+        j = np.uint32(rows.columns[t])
+        rows.values[t] = mean[0, k] * scale
+        fx, fy = mean[1, k] * outflow, mean[2, k] * outflow
+        flux.flux[t, 0], flux.flux[t, 1] = fx, fy
+        change += fx * (u[j, 0] - ux) + fy * (u[j, 1] - uy)
+        if len(cloud.axes) == 3:
+            fz = mean[3, k] * outflow
+            flux.flux[t, 2] = fz
+            change += fz * (u[j, 2] - uz)
+    flux.div[i] = change
+
+
+@inlined
+def _store_mean(rows, flux, i, cloud):
+    """Write the mean of the neighbours in place of a row, and a stencil of zeros."""
+    rows.measure[i] = flux.div[i] = 0.0
+    for k in range(cloud.indptr[i], cloud.indptr[i] + rows.count[i]):
+        rows.values[k] = 1.0 / rows.count[i]
+        for a in range(len(cloud.axes)):
+            flux.flux[k, a] = 0.0
 
 
 @kernel
-def divergence(div: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray,
-               flux: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Flux divergence of a velocity with the stored flux coefficients, at inner particles [1/s]."""
+def divergence(out: np.ndarray, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+    """Write the divergence of u (n_all, dim) by the stored stencils, (n_owned,) [1/s], 0 but at inner particles."""
+    count, columns, stencil, _ = flux
+    indptr, axes = cloud.indptr, cloud.axes
     for i in range(len(indptr) - 1):
-        div[i] = 0.0
-        if role[i] != INNER:
+        out[i] = 0.0
+        if cloud.role[i] != INNER:
             continue
         total, ux, uy = 0.0, u[i, 0], u[i, 1]
         uz = u[i, 2] if len(axes) == 3 else 0.0
         for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])
-            total += flux[k, 0] * (u[j, 0] - ux) + flux[k, 1] * (u[j, 1] - uy)
+            total += stencil[k, 0] * (u[j, 0] - ux) + stencil[k, 1] * (u[j, 1] - uy)
             if len(axes) == 3:
-                total += flux[k, 2] * (u[j, 2] - uz)
-        div[i] = total
+                total += stencil[k, 2] * (u[j, 2] - uz)
+        out[i] = total
+
+
+class Invariants(NamedTuple):
+    """Invariants of the velocity gradient G = grad u at inner particles, (n_owned,) each, 0 elsewhere.
+
+    square : tr(G^2) [1/s^2]; div : tr(G), the flux divergence [1/s]
+    rate : sqrt(2 G:G), at which neighbours move relative to each other: a shear rate, or twice a rotation's angular
+        velocity [1/s]
+    """
+
+    square: np.ndarray
+    rate: np.ndarray
+    div: np.ndarray
 
 
 @kernel
-def gradient_invariants(square: np.ndarray, rate: np.ndarray, div: np.ndarray, u: np.ndarray, role: np.ndarray,
-                        count: np.ndarray, columns: np.ndarray, flux: np.ndarray, indptr: np.ndarray,
-                        axes: tuple[int, ...]) -> None:
-    """Invariants of G = grad u of a velocity at inner particles, from the stored flux coefficients.
+def gradient_invariants(out: Invariants, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+    """Write the invariants of the gradient of u (n_all, dim) [m/s] by the stored stencils.
 
     (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u.
-
-    square : (n_owned,) output, tr(G^2) [1/s^2]
-    rate : (n_owned,) output, sqrt(2 G:G), at which neighbours move relative to each other: a shear rate, or twice a
-        rotation's angular velocity [1/s]
-    div : (n_owned,) output, tr(G), the flux divergence [1/s]
-    All are 0 but at inner particles.
     """
+    square, rate, div = out
+    count, columns, stencil, _ = flux
+    indptr, axes = cloud.indptr, cloud.axes
     dim = len(axes)
     for i in range(len(indptr) - 1):
         square[i], rate[i], div[i] = 0.0, 0.0, 0.0
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             continue
         # named scalars, which stay in registers
         xx, xy, yx, yy, xz, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])
-            fx, fy, dx, dy = flux[k, 0], flux[k, 1], u[j, 0] - u[i, 0], u[j, 1] - u[i, 1]
+            fx, fy, dx, dy = stencil[k, 0], stencil[k, 1], u[j, 0] - u[i, 0], u[j, 1] - u[i, 1]
             xx += fx * dx
             xy += fx * dy
             yx += fy * dx
             yy += fy * dy
             if dim == 3:
-                fz, dz = flux[k, 2], u[j, 2] - u[i, 2]
+                fz, dz = stencil[k, 2], u[j, 2] - u[i, 2]
                 xz += fx * dz
                 yz += fy * dz
                 zx += fz * dx

@@ -49,6 +49,37 @@ class Walls(NamedTuple):
     indices: np.ndarray
 
 
+class Rows(NamedTuple):
+    """Buffers of matrix rows: row_I(p) = p_I - sum_J values_J p_J, with row_I(p) = -measure_I target_I.
+
+    The target is the Laplacian at inner particles, and the derivative along the normal at walls. Row I starts at
+    indptr[I] of the neighbour lists.
+
+    count : (n,) int32, entries of each row beside its diagonal; columns : (nnz,) int32, local; values : (nnz,)
+    measure : (n,) [m^2], at walls [m]; 0 for a row without a Laplacian or derivative
+    """
+
+    count: np.ndarray
+    columns: np.ndarray
+    values: np.ndarray
+    measure: np.ndarray
+
+
+class Flux(NamedTuple):
+    """Buffers of the stencils of a divergence at inner particles: div u_I = sum_J flux_J . (u_J - u_I).
+
+    Stencil I starts at indptr[I] of the neighbour lists.
+
+    count : (n,) int32; columns : (nnz,) int32: those of the rows if the same kernel fills both
+    flux : (nnz, dim) [1/m]; div : (n,) [1/s], of the velocity that the stencils were filled with
+    """
+
+    count: np.ndarray
+    columns: np.ndarray
+    flux: np.ndarray
+    div: np.ndarray
+
+
 def no_walls(n_owned: int, dim: int) -> Walls:
     """Return the Walls of `n_owned` particles without any element near them."""
     none = np.zeros(0, np.int32)

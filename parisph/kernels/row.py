@@ -7,12 +7,12 @@ import numpy as np
 from parisph.base.fields import INNER
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.rankine import UNSOUND
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 
 
 @inlined
-def finish_row(i: int, first: int, n: int, scale: float, sound: bool, count: np.ndarray, values: np.ndarray,
-               measure: np.ndarray) -> None:
+def finish_row(rows: Rows, i: int, first: int, n: int, scale: float, sound: bool) -> None:
     """Scale a row to a unit diagonal, from the coefficients of its Laplacian.
 
     lap p_i = scale sum_k values[first + k] (p_k - p_i) over n neighbours becomes row_i(p) = p_i - sum_k values p_k
@@ -21,28 +21,27 @@ def finish_row(i: int, first: int, n: int, scale: float, sound: bool, count: np.
 
     scale : [1/m^2]
     """
-    total, lowest = 0.0, 0.0
+    values, total, lowest = rows.values, 0.0, 0.0
     for k in range(first, first + n):
         total += values[k]
         lowest = min(lowest, values[k])
     if sound and total > 0.0 and lowest >= -UNSOUND * total:
-        count[i] = n
-        measure[i] = 1.0 / (scale * total)
+        rows.count[i], rows.measure[i] = n, 1.0 / (scale * total)
         for k in range(first, first + n):
             values[k] /= total
     else:
-        count[i] = 0
-        measure[i] = 0.0
+        rows.count[i], rows.measure[i] = 0, 0.0
 
 
 @kernel
-def mean_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, role: np.ndarray,
-              indptr: np.ndarray, indices: np.ndarray) -> None:
+def mean_rows(rows: Rows, cloud: Cloud) -> None:
     """Give inner particles whose row was given up the mean of their neighbours, as `rankine.rankine_rows` does.
 
     A row without entries means p = 0, which pins the pressure in the middle of a closed tank. The measure stays 0,
     by which such rows are known.
     """
+    count, columns, values, measure = rows
+    role, indptr, indices = cloud.role, cloud.indptr, cloud.indices
     for i in range(len(indptr) - 1):
         if role[i] != INNER or count[i] > 0:
             continue

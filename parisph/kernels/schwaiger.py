@@ -6,14 +6,13 @@ from parisph.base.fields import INNER
 from parisph.kernels.gradient import support
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import SPLINE_SLOPE, fill_up, gather, room_for
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.row import finish_row
 
 FLAT = 0.02  # det/(trace/dim)^dim of Gamma below which a row is given up: the neighbours lie almost in a line
 
 
-def cisph1_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                role: np.ndarray, h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
-                axes: tuple[int, ...]) -> None:
+def cisph1_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:
     """Fill the rows of inner particles with CISPH1 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20c).
 
     With r_ij = r_i - r_j, F_ij = W'/r and grad_i W_ij = F_ij r_ij,
@@ -22,39 +21,37 @@ def cisph1_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, meas
     right for r_ij = r_j - r_i only, and an integral for the sum Gamma. The gradient is not exact for linear p on
     disordered particles, and so neither are these rows. Values may be negative.
 
-    count : (n_owned,) int32, entries of each row but its diagonal; columns, values : row I starts at indptr[I]
-    measure : (n_owned,) [m^2], 0 for a row that is given up; row_I(p) = -measure_I lap p
     h : smoothing length of the cubic spline, support 2h [m]; volume : of a particle, at equal sizes [m^dim]
     """
-    _rows(count, columns, values, measure, x, role, h, volume, False, indptr, indices, axes)
+    _fill(rows, cloud, h, volume, False)
 
 
-def cisph2_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                role: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def cisph2_rows(rows: Rows, cloud: Cloud, h: float) -> None:
     """Fill the rows of inner particles with CISPH2 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20d).
 
     As cisph1_rows, but grad p_i = sum_j V (p_j - p_i) L grad_i W_ij with L = [sum_j V (r_j - r_i) grad_i W_ij^T]^-1,
     which is -Gamma^-1. The volumes cancel. Exact for linear p on any particles. (The paper's text has "Eq. 20c" for
     this method too; Eq. 20d is meant.)
     """
-    _rows(count, columns, values, measure, x, role, h, 1.0, True, indptr, indices, axes)
+    _fill(rows, cloud, h, 1.0, True)
 
 
 @kernel
-def _rows(count, columns, values, measure, x, role, h, volume, corrected, indptr, indices, axes):
+def _fill(rows, cloud, h, volume, corrected):
     """Fill the rows in units of the support, with w = -F, xi = r_j - r_i and M = sum w xi xi^T = -Gamma/V.
 
     If grad p_i = sum_j w_j G xi_j (p_j - p_i), then
     lap p_i = 2 tr(M^-1)/n sum_j w_j [1 - (sum_k w_k xi_k) . G xi_j] (p_j - p_i).
     """
+    indptr, axes = cloud.indptr, cloud.axes
     dim, room, radius = len(axes), room_for(indptr), 2.0 * h
     near, weighted = np.empty((dim, room)), np.empty((dim + 1, room))
     moment, inverse, matrix, tilt = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
     for i in range(len(indptr) - 1):
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             continue
         first = indptr[i]
-        n = gather(near, columns, first, i, x, role, radius, indptr, indices, axes)
+        n = gather(near, rows.columns, first, i, cloud, radius)
         m = fill_up(near, n, axes)
         sound = support(moment, inverse, weighted, near, SPLINE_SLOPE, n, m, axes) > FLAT
         trace = _gradient_matrix(matrix, inverse, volume / radius**dim, corrected, axes)
@@ -63,8 +60,8 @@ def _rows(count, columns, values, measure, x, role, h, volume, corrected, indptr
             c = 1.0
             for a in range(dim):
                 c -= tilt[a] * near[a, k]
-            values[first + k] = weighted[0, k] * c
-        finish_row(i, first, n, 2.0 * trace / (dim * radius * radius), sound, count, values, measure)
+            rows.values[first + k] = weighted[0, k] * c
+        finish_row(rows, i, first, n, 2.0 * trace / (dim * radius * radius), sound)
 
 
 @inlined

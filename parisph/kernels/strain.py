@@ -34,7 +34,7 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, cloud
     beyond : (n_owned, dim) output [m/s], without rows if not wanted
     u : (n_all, dim) [m/s], of walls that of gradient.wall_velocity; radius : of the weight [m]
     """
-    x, kind, role, indptr, indices, axes = cloud.x, cloud.kind, cloud.role, cloud.indptr, cloud.indices, cloud.axes
+    kind, indptr, axes = cloud.kind, cloud.indptr, cloud.axes
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
     member = np.empty(room, np.int32)
@@ -49,7 +49,7 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, cloud
             beyond[i, c] = 0.0
         if kind[i] != FLUID:
             continue
-        n = gather_within(near, member, 0, i, x, role, radius, radius, indptr, indices, axes)
+        n = gather_within(near, member, 0, i, cloud, radius, radius)
         columns = fill_up(near, n, axes)
         spans = fitted(m, inverse, moments, weighted, near, 0, columns, axes) >= floor and len(g) > 0
         smooth = len(beyond) > 0 and _fit_here(fit, moments, here, axes)

@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.records import Cloud
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.smoothing import quartic_weight
 
 # Of a cell: up to the first a particle lies on the surface, from the second on it stands for a full one. Half a cell
@@ -17,8 +17,7 @@ LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surf
 
 
 @kernel
-def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, cloud: Cloud, cells: np.ndarray,
-                 offset: float, radius: float) -> None:
+def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, radius: float) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours at the depth
@@ -28,11 +27,11 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, clo
     so a is in proportion to their distance. A particle that stands for half a cell lies on the surface, as at the
     start of a tank: its row stays p = 0.
 
-    count, columns, values : rows of PressureRows, those of surface particles are written
     cells : (n_all,), how much of its cell a particle stands for
     offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]
     radius : of the neighbours that count [m]
     """
+    count, columns, values, _ = rows
     x, role, indptr, spacing, dim = cloud.x, cloud.role, cloud.indptr, cloud.spacing, len(cloud.axes)
     mean = np.empty(dim)
     for i in range(len(indptr) - 1):

@@ -7,6 +7,7 @@ from parisph.kernels import harmonic
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.moments import invert, pair_weight, second_moment
 from parisph.kernels.rankine import UNSOUND
+from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 
 # Below this value of det/(trace/dim)^dim the neighbours of a wall particle lie on a line.
@@ -14,32 +15,29 @@ FLAT = 4.0e-3
 
 
 @kernel
-def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-              role: np.ndarray, normal: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
-              axes: tuple[int, ...]) -> None:
+def sfdi_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
     """Fill the rows of wet wall particles by SFDI (Zheng et al. 2014, Eq. 26b; Eq. A6 corrected).
 
     n . grad p = sum_J Psi_IJ (p_J - p_I), that is Psi_II = -sum_J Psi_IJ, which the printed
-    Eq. A6 omits. With row_I(p) = p_I - sum_J values_J p_J the equation is
-    row_I(p) = -measure_I n . grad p, measure = 1/sum_J Psi_IJ [m]. A row without enough
+    Eq. A6 omits. The measure is 1/sum_J Psi_IJ [m]. A row without enough
     neighbours for a normal derivative becomes their weighted mean, with measure 0, and one that
     extrapolates from neighbours on one side is mixed with it, until no value is below -UNSOUND.
     Above all of the water, where a cavity closed in a corner, such a row had values of 11 and -6,
     and pressure came to -2.7 MPa. Means and mixtures need balance.add_linear_part_at_walls.
     """
-    dim = len(axes)
-    radius2 = radius * radius
-    m = np.empty((dim, dim))
-    inverse = np.empty((dim, dim))
+    columns, values, x = rows.columns, rows.values, cloud.x
+    normal, indptr, indices, axes = cloud.normal, cloud.indptr, cloud.indices, cloud.axes
+    dim, radius2 = len(axes), radius * radius
+    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     for i in range(len(indptr) - 1):
-        if role[i] != WET:
+        if cloud.role[i] != WET:
             continue
-        second_moment(m, i, x, role, radius2, 2, indptr, indices, axes)
+        second_moment(m, i, cloud, radius2, 2)
         sound = invert(m, inverse, axes) > FLAT
         n, total, weights, first = 0, 0.0, 0.0, indptr[i]
         for k in range(first, indptr[i + 1]):
             j = indices[k]
-            if outside(role[j]):
+            if outside(cloud.role[j]):
                 continue
             w, _ = pair_weight(i, j, x, radius2, 2, axes)
             if w == 0.0:
@@ -54,53 +52,51 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
             total += psi
             weights += w
             n += 1
-        count[i] = n
+        rows.count[i] = n
         # a diagonal below 1/(20 radius) means that hardly any neighbour lies inwards
         if sound and total * radius > 0.05:
             for k in range(first, first + n):
                 values[k] /= total
-            measure[i] = _mix_with_mean(i, first, n, columns, values, x, radius2, weights, axes) / total
+            rows.measure[i] = _mix_with_mean(rows, i, n, cloud, radius2, weights) / total
         else:
-            measure[i] = 0.0
-            _mean(i, first, n, columns, values, x, radius2, weights, axes)
+            rows.measure[i] = 0.0
+            _take_mean(rows, i, n, cloud, radius2, weights)
 
 
 @subkernel
-def _mix_with_mean(i, first, n, columns, values, x, radius2, weights, axes):
+def _mix_with_mean(rows, i, n, cloud, radius2, weights):
     """Mix a row with the weighted mean until no value is below -UNSOUND; return the share of the row."""
-    share = 1.0
+    share, values, first = 1.0, rows.values, cloud.indptr[i]
     for k in range(first, first + n):
         if values[k] < -UNSOUND:
-            w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)
+            w, _ = pair_weight(i, rows.columns[k], cloud.x, radius2, 2, cloud.axes)
             share = min(share, (UNSOUND + w / weights) / (w / weights - values[k]))
     if share < 1.0:
         for k in range(first, first + n):
-            w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)
+            w, _ = pair_weight(i, rows.columns[k], cloud.x, radius2, 2, cloud.axes)
             values[k] = share * values[k] + (1.0 - share) * w / weights
     return share
 
 
 @subkernel
-def _mean(i, first, n, columns, values, x, radius2, weights, axes):
-    for k in range(first, first + n):
-        w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)
-        values[k] = w / weights
+def _take_mean(rows, i, n, cloud, radius2, weights):
+    """Make a row the weighted mean of its neighbours."""
+    for k in range(cloud.indptr[i], cloud.indptr[i] + n):
+        w, _ = pair_weight(i, rows.columns[k], cloud.x, radius2, 2, cloud.axes)
+        rows.values[k] = w / weights
 
 
 @kernel
-def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                  role: np.ndarray, normal: np.ndarray, radius: float, most: float, indptr: np.ndarray,
-                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def harmonic_rows(rows: Rows, cloud: Cloud, radius: float, most: float) -> None:
     """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it, with values above -UNSOUND.
 
     most : by how much terms of degree 2 may raise the variance of a slope (harmonic.coefficients)
     """
-    dim = len(axes)
-    c, work, b = harmonic.scratch(indptr, axes)
+    count, columns, values, measure = rows
+    normal, indptr, indices, dim = cloud.normal, cloud.indptr, cloud.indices, len(cloud.axes)
+    c, work, b = harmonic.scratch(indptr, cloud.axes)
     for i in range(len(indptr) - 1):
-        if role[i] != WET:
-            continue
-        if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
+        if cloud.role[i] != WET or not harmonic.coefficients(c, i, cloud, radius, most, work, b):
             continue
         total, lowest = 0.0, 0.0
         for k in range(indptr[i + 1] - indptr[i]):

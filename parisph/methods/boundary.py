@@ -8,16 +8,13 @@ from parisph.base.fields import ABSENT, DRY, WALL
 from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import density, gradient, movement, solids, wall_law, wetness
+from parisph.kernels.near import Form
 from parisph.kernels.records import Walls
 from parisph.methods import lengths
 from parisph.parallel.wall_elements import NO_ROOM, WallElements
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
-
-# spacings from a wall within which its datum helps out a gradient with too few neighbours. In the tip of water on a
-# flat beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
-DATUM = 1.4
 
 
 class Boundary:
@@ -190,15 +187,14 @@ class Boundary:
         return found
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
-                      form: tuple[float, int, float]) -> None:
+                      form: Form) -> None:
         """Repeat a linear fit out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
 
         known : (n_owned,) bool, where out stays; slope : (n_all, dim), what the gradient is across walls at rest, None
-        for 0; form : radius [m], power and floor of the fit
+        for 0
         """
-        p, d, e = flow.particles, flow.domain, self.elements
-        along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
+        e = self.elements
+        here, less = np.zeros_like(flow.particles.x_all), np.zeros_like(e.acceleration)
         if slope is not None:
-            along, less = slope, flow.density * e.acceleration
-        gradient.gradient_at_walls(out, known, f, along, less, p.x_all, p.role_all, *form, DATUM * flow.spacing,
-                                   e.walls.corners, e.walls.indptr, e.walls.indices, d.indptr, d.indices, flow.axes)
+            here, less = slope, flow.density * e.acceleration
+        gradient.gradient_at_walls(out, known, flow.cloud, e.walls, f, here, less, form)

@@ -192,11 +192,10 @@ class Flow:
     def swirl(self) -> np.ndarray:
         """Return the vorticity (n_all,) [1/s] in the room that particles carry, for owned walls that of the fluid
         beside them. Viscous fluid is taken to turn with its tank. Not collective."""
-        p, d = self.particles, self.domain
+        p = self.particles
         if "swirl" not in p.fields:
             return np.full(p.n_all, 2.0 * self._turn if self.viscous else 0.0)
-        gradient.mean_beside_walls(p.swirl_all, p.x_all, p.kind_all, lengths.WALL * self.spacing, d.indptr, d.indices,
-                                   self.axes)
+        gradient.mean_beside_walls(p.swirl_all, self.cloud, lengths.WALL * self.spacing)
         return p.swirl_all
 
     def close_pairs(self, distance: float) -> Cloud:

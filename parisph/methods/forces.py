@@ -43,9 +43,8 @@ class Coriolis(Force):
         p, d = flow.particles, flow.domain
         p.halfway[:] = p.u + 0.5 * flow.dt * p.acceleration
         d.update("halfway", "role")
-        gradient.wall_velocity(p.halfway_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
-                               np.zeros_like(p.u), flow.wall_shear(), lengths.WALL * flow.spacing, d.indptr, d.indices,
-                               flow.axes)
+        gradient.wall_velocity(p.halfway_all, flow.cloud, np.zeros_like(p.u), flow.wall_shear(),
+                               lengths.WALL * flow.spacing)
         d.update("halfway")
         spin = flow.spin(time)
         out[:, 0] += 2.0 * spin * p.halfway_all[:, 1]

@@ -21,8 +21,11 @@ from parisph.kernels import (
     walls,
 )
 from parisph.kernels import flux as fluxes
-from parisph.kernels.near import SPLINE, SPLINE_SLOPE
-from parisph.kernels.records import Cloud
+from parisph.kernels.circle import Circle
+from parisph.kernels.curvature import Bending
+from parisph.kernels.harmonic import Slopes
+from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
+from parisph.kernels.records import Cloud, Flux, Rows
 from parisph.methods import lengths
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -36,7 +39,6 @@ from parisph.methods.parts import (
     Laplacian,
     WallRows,
 )
-from parisph.pressure.rows import Flux, Rows
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -55,6 +57,11 @@ RAPID_WALL_INFLATION = 2.5
 directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
 
 
+def _circle(cloud, size, radius):
+    """Return the Circle around particles. size, radius : in spacings"""
+    return Circle(directions(len(cloud.axes)), size * cloud.spacing, radius * cloud.spacing)
+
+
 class Rankine(Laplacian):
     """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola.
 
@@ -67,10 +74,7 @@ class Rankine(Laplacian):
     circle = lengths.CIRCLE
 
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
-        s = cloud.spacing
-        rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x,
-                             cloud.role, directions(len(cloud.axes)), self.circle * s, lengths.MLS * s,
-                             self.normalised, cloud.indptr, cloud.indices, cloud.axes)
+        rankine.rankine_rows(rows, flux, cloud, u, _circle(cloud, self.circle, lengths.MLS), self.normalised)
 
 
 class RankinePrinted(Rankine):
@@ -84,7 +88,7 @@ class Sparse(Laplacian):
 
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         self.laplacian(rows, cloud)
-        row.mean_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.role, cloud.indptr, cloud.indices)
+        row.mean_rows(rows, cloud)
 
     @abstractmethod
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
@@ -98,9 +102,7 @@ class Sph(Sparse):
     linear = False
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-                            lengths.SPH * cloud.spacing, cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices,
-                            cloud.axes)
+        laplacian.isph_rows(rows, cloud, lengths.SPH * cloud.spacing, cloud.spacing ** len(cloud.axes))
 
 
 class Cisph1(Sparse):
@@ -110,9 +112,7 @@ class Cisph1(Sparse):
     linear = False
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        s = cloud.spacing
-        schwaiger.cisph1_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * s,
-                              s ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
+        schwaiger.cisph1_rows(rows, cloud, lengths.SPH * cloud.spacing, cloud.spacing ** len(cloud.axes))
 
 
 class Cisph2(Sparse):
@@ -121,8 +121,7 @@ class Cisph2(Sparse):
     name, source, reach = "cisph2", "Z14 Eqs 20b and 20d, sign corrected", 2.0 * lengths.SPH
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        schwaiger.cisph2_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-                              lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+        schwaiger.cisph2_rows(rows, cloud, lengths.SPH * cloud.spacing)
 
 
 class Gfd(Sparse):
@@ -131,8 +130,7 @@ class Gfd(Sparse):
     name, source, reach = "gfd", "generalised finite differences", lengths.QUADRATIC
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-                     lengths.QUADRATIC * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+        gfd.gfd_rows(rows, cloud, lengths.QUADRATIC * cloud.spacing)
 
 
 class QuadraticRankine(Sparse):
@@ -141,11 +139,8 @@ class QuadraticRankine(Sparse):
     name, source, reach = "rankine_quadratic", "Z14 Eqs 21-23", lengths.QUADRATIC_CIRCLE + lengths.QUADRATIC
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        s = cloud.spacing
-        quadratic_circle.quadratic_rankine_rows(
-            rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-            directions(len(cloud.axes)), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr,
-            cloud.indices, cloud.axes)
+        circle = _circle(cloud, lengths.QUADRATIC_CIRCLE, lengths.QUADRATIC)
+        quadratic_circle.quadratic_rankine_rows(rows, cloud, circle)
 
 
 class Fatehi(Sparse):
@@ -154,8 +149,7 @@ class Fatehi(Sparse):
     name, source, reach = "fatehi", "Fatehi and Manzari 2011", 2.0 * lengths.SPH
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-                           lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+        fatehi.fatehi_rows(rows, cloud, lengths.SPH * cloud.spacing)
 
 
 class FluxDivergence(Divergence):
@@ -164,10 +158,7 @@ class FluxDivergence(Divergence):
     name, source, reach = "flux", "Z14 Eq 23, right-hand side", lengths.MLS
 
     def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
-        s = cloud.spacing
-        fluxes.flux_rows(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
-                         directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
-                         cloud.indptr, cloud.indices, cloud.axes)
+        fluxes.flux_rows(flux, cloud, u, _circle(cloud, lengths.CIRCLE, lengths.MLS))
 
 
 class SfdiWalls(WallRows):
@@ -176,20 +167,18 @@ class SfdiWalls(WallRows):
     name, source, reach = "sfdi", "Z14 Eq 26b, with Eq A6 corrected", lengths.WALL
 
     def fill(self, rows: Rows, cloud: Cloud) -> None:
-        walls.sfdi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
-                        lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+        walls.sfdi_rows(rows, cloud, lengths.WALL * cloud.spacing)
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by: water at rest in a linear
         force stays so, and such that turns with its tank."""
         if flow.bent_without_strain:
-            _complete_rows(right, flow.without_strain, flow.outer_pull, rows, cloud)
+            _complete_rows(right, rows, cloud, Bending(flow.without_strain, flow.outer_pull))
 
 
-def _complete_rows(right, laplacian, pull, rows, cloud):
+def _complete_rows(right, rows, cloud, bending):
     for add in (curvature.add_at_walls, curvature.add_at_surface):
-        add(right, laplacian, pull, rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.indptr,
-            cloud.axes)
+        add(right, rows, cloud, bending)
 
 
 class HarmonicWalls(SfdiWalls):
@@ -200,8 +189,7 @@ class HarmonicWalls(SfdiWalls):
 
     def fill(self, rows: Rows, cloud: Cloud) -> None:
         super().fill(rows, cloud)
-        walls.harmonic_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
-                            lengths.WALL * cloud.spacing, self.most, cloud.indptr, cloud.indices, cloud.axes)
+        walls.harmonic_rows(rows, cloud, lengths.WALL * cloud.spacing, self.most)
 
 
 class CurvedWalls(HarmonicWalls):
@@ -214,7 +202,7 @@ class CurvedWalls(HarmonicWalls):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        _complete_rows(right, flow.particles.laplacian_all, flow.pull, rows, cloud)
+        _complete_rows(right, rows, cloud, Bending(flow.particles.laplacian_all, flow.pull))
 
 
 class CurvedBreakingWalls(CurvedWalls):
@@ -231,9 +219,8 @@ class LeastSquares(Gradient):
 
     power, floor = 0, 0.05
 
-    def form(self, spacing: float) -> tuple[float, int, float]:
-        """Return radius [m], power and floor of the fit."""
-        return self.reach * spacing, self.power, self.floor
+    def form(self, spacing: float) -> Form:
+        return Form(self.reach * spacing, self.power, self.floor)
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
@@ -241,15 +228,14 @@ class LeastSquares(Gradient):
 
     def fit(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None) -> None:
         """Write the linear fit to out (n_owned, dim) but where it is `known` (n_owned,) bool; others as of `write`."""
-        p, d = flow.particles, flow.domain
-        gradient.least_squares_gradient(out, known, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr,
-                                        d.indices, flow.axes)
+        gradient.least_squares_gradient(out, known, flow.cloud, f, self.form(flow.spacing))
         flow.walls.mend_gradient(out, known, f, along, flow, self.form(flow.spacing))
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
         if flow.bent_without_strain:
-            _bend(out, flow, flow.without_strain, flow.outer_pull, INNER, NEVER, NEVER, self.form(flow.spacing))
+            bending = Bending(flow.without_strain, flow.outer_pull)
+            _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
 
 
 class Mixed(LeastSquares):
@@ -270,11 +256,10 @@ class Cubic(Mixed):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
-        p, d = flow.particles, flow.domain
+        slopes = Slopes(flow.walls.slope(flow, along), flow.walls.known_slopes(flow))
         found = harmonic_gradient.harmonic_gradient(
-            out, f, flow.walls.slope(flow, along), flow.walls.known_slopes(flow),
-            np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all, p.normal_all,
-            self.reach * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
+            out, flow.cloud, f, slopes, np.empty(0) if laplacian is None else laplacian, self.reach * flow.spacing,
+            INFLATION)
         self.fit(out, found, f, flow, along)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
@@ -306,9 +291,7 @@ class Nodal(Divergence):
     name, source, reach = "nodal", "Z17 Eqs 29-32", lengths.MLS
 
     def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
-        fluxes.least_squares_flux(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
-                                  lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor, cloud.indptr, cloud.indices,
-                                  cloud.axes)
+        fluxes.least_squares_flux(flux, cloud, u, Form(lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor))
 
 
 class Symmetric(LeastSquares):
@@ -316,14 +299,10 @@ class Symmetric(LeastSquares):
 
     name, source, reach = "symmetric", "Z17 Eq 25", 2.0 * lengths.SPH
 
-    def form(self, spacing: float) -> tuple[float, int, float]:
-        return self.reach * spacing, 0, self.floor
-
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
-        p, d, s = flow.particles, flow.domain, flow.spacing
-        gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices,
-                                    flow.axes)
+        s = flow.spacing
+        gradient.symmetric_gradient(out, flow.cloud, f, lengths.SPH * s, s ** len(flow.axes))
         flow.walls.mend_gradient(out, np.zeros(len(out), np.bool_), f, along, flow, self.form(s))
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
@@ -354,14 +333,13 @@ class HarmonicSurface(Gradient):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
-        p, d = flow.particles, flow.domain
-        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, self.most(flow), d.indptr,
-                                   d.indices, flow.axes)
+        gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, self.most(flow))
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
         if flow.bent_without_strain:
-            _bend(out, flow, flow.without_strain, flow.outer_pull, SURFACE, self.most(flow), NEVER, _form(flow))
+            bending = Bending(flow.without_strain, flow.outer_pull)
+            _bend(out, flow, bending, SURFACE, _form(flow), self.most(flow), NEVER)
 
     def most(self, flow: "Flow") -> float:
         """Return by how much the harmonic terms may raise the variance of the slope."""
@@ -378,8 +356,8 @@ class CurvedSurface(HarmonicSurface):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, flow.pull, SURFACE, INFLATION, self.most(flow),
-              _form(flow))
+        bending = Bending(flow.particles.laplacian_all, flow.pull)
+        _bend(out, flow, bending, SURFACE, _form(flow), INFLATION, self.most(flow))
 
 
 class Curved(Mixed):
@@ -388,23 +366,21 @@ class Curved(Mixed):
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, flow.pull, INNER, INFLATION, INFLATION,
-              _form(flow))
+        bending = Bending(flow.particles.laplacian_all, flow.pull)
+        _bend(out, flow, bending, INNER, _form(flow), INFLATION, INFLATION)
 
 
 def _form(flow):
-    """Return radius [m], power of the weight and floor of fits that know how the pressure bends."""
-    return lengths.WALL * flow.spacing, LeastSquares.power, LeastSquares.floor
+    """Return the form of fits that know how the pressure bends."""
+    return Form(lengths.WALL * flow.spacing, LeastSquares.power, LeastSquares.floor)
 
 
-def _bend(out, flow, laplacian, pull, where, most, kept, form):
+def _bend(out, flow, bending, where, form, most, kept):
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`.
 
     form : of the linear fit that `out` is
     """
-    p, d = flow.particles, flow.domain
-    curvature.gradient(out, p.p_all, laplacian, pull, p.x_all, p.role_all, where, *form, most, kept, d.indptr,
-                       d.indices, flow.axes)
+    curvature.gradient(out, flow.cloud, flow.particles.p_all, bending, where, form, most, kept)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

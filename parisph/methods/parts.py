@@ -12,8 +12,8 @@ import numpy as np
 
 from parisph.base import vocabulary
 from parisph.case.numerics import Numerics
-from parisph.kernels.records import Cloud
-from parisph.pressure.rows import Flux, Rows
+from parisph.kernels.near import Form
+from parisph.kernels.records import Cloud, Flux, Rows
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -124,8 +124,8 @@ class Gradient(Part):
         Not collective.
         """
 
-    def form(self, spacing: float) -> tuple[float, int, float] | None:
-        """Return radius [m], power and floor of a fit by weighted least squares, which walls of any shape can mend.
+    def form(self, spacing: float) -> Form | None:
+        """Return the form of a fit by weighted least squares, which walls of any shape can mend.
 
         None for other gradients.
         """

@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.case.numerics import Numerics
 from parisph.kernels import movement
+from parisph.kernels.harmonic import Slopes
 from parisph.kernels.potential_fit import Potential, fit_potential
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
@@ -22,20 +23,19 @@ def find(flow: "Flow") -> Potential:
     The velocity of walls must be known, ghosts included: across them it is theirs. In a tank that turns, the velocity
     in space is that of a potential, and of a rotation if the fluid has turned from the start.
     """
-    p, d = flow.particles, flow.domain
+    p = flow.particles
     u = p.u_all
     spin = turning_rate(flow)
     if spin:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
         u = u + turning
-    beyond, gradient, square = np.empty_like(p.u), np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
-    fit_potential(beyond, gradient, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
-                  p.normal_all, movement.along(p.normal_all, u), lengths.WALL * flow.spacing, d.indptr,
-                  d.indices, flow.axes)
+    found = Potential(np.empty_like(p.u), np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned))
+    across = Slopes(movement.along(p.normal_all, u), flow.walls.known_slopes(flow))
+    fit_potential(found, flow.cloud, u, across, lengths.WALL * flow.spacing)
     if spin:
-        gradient[:, 0, 1] += spin
-        gradient[:, 1, 0] -= spin
-    return Potential(beyond, gradient, square)
+        found.gradient[:, 0, 1] += spin
+        found.gradient[:, 1, 0] -= spin
+    return found
 
 
 def turning_rate(flow: "Flow") -> float:

@@ -125,7 +125,7 @@ class Projection:
         flow.domain.update("role", "u")
         self._find_potential()
         self.rows.fill(flow.force, flow.cloud, flow.walls.cells(flow))
-        target = flow.density * (self.rows.div - self.rows.gradient_invariants(p.u_all, p.role_all)[0])
+        target = flow.density * (self.rows.div - self.rows.gradient_invariants(p.u_all).square)
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
         self.guesses.restart(time)
@@ -276,22 +276,19 @@ class Projection:
         At wet walls n . grad p = rho n . (force - a), with the acceleration a of fluid that slides along the wall in
         the step, and the target is ignored.
         """
-        p, force = self.flow.particles, self.flow.force
+        p, force, rows, cloud = self.flow.particles, self.flow.force, self.rows.rows, self.rows.cloud
         if not self.parts.laplacian.linear:
-            rows, cloud = self.rows.rows, self.rows.cloud
-            balance.add_linear_part(target, force, self.flow.density, rows.count, rows.columns, rows.values,
-                                    rows.measure, p.x_all, p.role_all, cloud.indptr, cloud.axes)
+            balance.add_linear_part(target, rows, cloud, force, self.flow.density)
         moved = self.flow.walls.normal_acceleration(self.flow)
-        balance.wall_targets(target, p.role, p.normal, force, np.empty(0) if moved is None else moved,
-                             self.flow.density)
+        balance.wall_targets(target, cloud, force, np.empty(0) if moved is None else moved, self.flow.density)
         right = self.rows.right_hand_side(target)
         self._balance_walls(right, moved)
         self._find_laplacian()
         matrix, isolated = self._matrix()
         balance.without_equation(right, p.role)
-        self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
+        self.parts.wall_rows.complete(right, rows, cloud, self.flow)
         if "surface_pressure" in p.fields:
-            self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
+            self.rows.add_surface_values(right, p.surface_pressure_all)
         return matrix, right, isolated
 
     def _find_laplacian(self):
@@ -302,21 +299,20 @@ class Projection:
         whole. Of a potential flow tr(G^2) is known everywhere; in a tank that turns with W it has G + W x, less half of
         the vorticity that all fluid carries.
         """
-        flow, d = self.flow, self.flow.domain
+        flow = self.flow
         p, fit = flow.particles, flow.potential
         if "laplacian" not in p.fields:
             return
         p.laplacian[:] = 0.0
         flow.bends = not self._whole
         if flow.bends or len(self.parts.forces) > 1 or flow.varies:
-            self.rows.divergence(p.laplacian, flow.force - flow.body_force if flow.bends else flow.force, p.role_all)
+            self.rows.divergence(p.laplacian, flow.force - flow.body_force if flow.bends else flow.force)
         if fit is None:
-            p.laplacian -= self.rows.gradient_invariants(p.u_all, p.role_all)[0]
+            p.laplacian -= self.rows.gradient_invariants(p.u_all).square
         p.laplacian *= flow.density
         if fit is None or len(self.parts.forces) > 1 or flow.varies:
-            d.update("laplacian")
-            curvature.continue_laplacian(p.laplacian_all, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr,
-                                         d.indices, flow.axes)
+            flow.domain.update("laplacian")
+            curvature.continue_laplacian(p.laplacian_all, flow.cloud, lengths.WALL * flow.spacing)
         if fit is not None:
             p.laplacian -= flow.density * (fit.square - 2.0 * potential.turning_rate(flow)**2)
 
@@ -327,12 +323,11 @@ class Projection:
 
         moved : (n_owned,) acceleration across the wall [m/s^2], None if no wall moves
         """
-        p, rows, cloud = self.flow.particles, self.rows.rows, self.rows.cloud
+        p = self.flow.particles
         pull, wall = self.flow.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
         if wall is not None:
             pull = pull - wall - (moved - np.einsum("ia,ia->i", p.normal, wall))[:, None] * p.normal
-        balance.add_linear_part_at_walls(right, pull, self.flow.density, rows.count, rows.columns, rows.values,
-                                         rows.measure, p.x_all, p.role_all, p.normal_all, cloud.indptr, cloud.axes)
+        balance.add_linear_part_at_walls(right, self.rows.rows, self.rows.cloud, pull, self.flow.density)
 
     def _matrix(self):
         """Return the CSR matrix, and the number of rows without a link to a free surface. Collective.
@@ -344,7 +339,7 @@ class Projection:
         p, d = flow.particles, flow.domain
         self.solver.release()
         if flow.closed:
-            return self.rows.csr(p.role_all, d.global_rows)[:3], 0
+            return self.rows.csr(d.global_rows)[:3], 0
         matrix, alone, count = self._anchored()
         left = count
         for _ in range(BODIES):
@@ -361,7 +356,7 @@ class Projection:
             p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)
             d.update("role")
             matrix = None
-            matrix = self.rows.csr(p.role_all, d.global_rows)[:3]
+            matrix = self.rows.csr(d.global_rows)[:3]
         return matrix, count
 
     def _anchored(self):
@@ -370,7 +365,7 @@ class Projection:
         Collective.
         """
         p = self.flow.particles
-        *matrix, anchored = self.rows.csr(p.role_all, self.flow.domain.global_rows)
+        *matrix, anchored = self.rows.csr(self.flow.domain.global_rows)
         return matrix, *groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
 
     def _correct_velocity(self, dt):
@@ -450,7 +445,7 @@ class Projection:
         flow.fresh("u")
         self._wall_velocity(dt)
         flow.domain.update("u")
-        self.rows.divergence(flow.particles.left, flow.particles.u_all, flow.particles.role_all)
+        self.rows.divergence(flow.particles.left, flow.particles.u_all)
 
     def _move(self, start, time, dt):
         """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""
@@ -467,7 +462,7 @@ class Projection:
             div = p.left
         else:
             div = np.empty(p.n_owned)
-            self.rows.divergence(div, p.u_all, p.role_all)
+            self.rows.divergence(div, p.u_all)
         strained = np.empty(0) if flow.strained is None else flow.strained
         sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure, strained), flow.collisions])
         if p.comm.size > 1:

@@ -52,9 +52,10 @@ class Mixed(Source):
             return density / dt * zeta * flow.rows.div
         target, none = np.empty(p.n_owned), np.empty(0)
         expansion, left = (p.expansion, p.left) if n.volume_time > 0.0 else (none, none)
-        mixed_source.mixed(target, expansion, left, flow.rows.div, *flow.rows.gradient_invariants(p.u_all, p.role_all),
-                           flow.force, p.role_all, density, flow.spacing, dt, flow.usual, zeta, n.strain,
-                           n.residual_strain, max(n.volume_time * flow.wave_time, GIVEN * dt))
+        weights = mixed_source.Weights(density, dt, flow.usual, zeta, n.strain, n.residual_strain,
+                                       max(n.volume_time * flow.wave_time, GIVEN * dt))
+        mixed_source.mixed(target, expansion, flow.cloud, flow.rows.div, left, flow.rows.gradient_invariants(p.u_all),
+                           flow.force, weights)
         return target
 
 
@@ -88,7 +89,7 @@ class ErrorCompensating(Source):
     def target(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
         e, before = compression(flow, p.alpha), np.empty(p.n_owned)
-        flow.rows.divergence(before, p.u_all, p.role_all)
+        flow.rows.divergence(before, p.u_all)
         return flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
 
 

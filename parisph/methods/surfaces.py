@@ -66,11 +66,9 @@ class Frozen(Surface):
     name, keeps, fields = "frozen", True, ("closing", "start_role")
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
-        p, d = flow.particles, flow.domain
-        radius, power, floor = GRADIENTS[flow.numerics.gradient].form(flow.spacing)
+        p, form = flow.particles, GRADIENTS[flow.numerics.gradient].form(flow.spacing)
         p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
-        gradient.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices,
-                             flow.axes)
+        gradient.regain_role(p.start_role, flow.cloud, form._replace(floor=REGAIN * form.floor))
 
 
 class AngularGap(Surface):

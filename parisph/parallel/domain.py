@@ -3,6 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.errors import CaseError, ParisphError
 from parisph.geometry.mesh import no_mesh
 from parisph.kernels.cells import neighbour_lists
@@ -10,7 +11,7 @@ from parisph.parallel.halo import ROUNDING, Halo
 from parisph.parallel.migrate import migrate
 from parisph.parallel.particles import Particles
 from parisph.parallel.partition import Grid, Partition, imbalance, split
-from parisph.parallel.survey import survey
+from parisph.parallel.survey import Survey, survey
 from parisph.parallel.wall_elements import WallElements
 from parisph.parallel.work import work_of
 
@@ -58,7 +59,7 @@ class Domain:
     CaseError : a length is out of range. The constructor does not communicate.
     """
 
-    def __init__(self, particles: Particles, lower: np.ndarray, upper: np.ndarray, radius: float, skin: float,
+    def __init__(self, particles: Particles, lower: Floats, upper: Floats, radius: float, skin: float,
                  list_skin: float = 0.0, closed: bool = False, tolerated: float = 1.03,
                  balance_every: int = 100, elements: WallElements | None = None) -> None:
         self.particles = particles
@@ -69,15 +70,19 @@ class Domain:
         self._validate()
         # Before the next plan two particles may each move by the skin towards the other.
         self.width = radius + 2.0 * skin + 2.0 * list_skin
-        self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self.indptr: Array = np.zeros(1, np.int32)
+        self.indices: Array = np.zeros(0, np.int32)
         self._around = self.indptr, self.indices
-        self.global_rows = np.zeros(0, np.int32)
+        self.global_rows: Array = np.zeros(0, np.int32)
         self.n_plans = self.n_lists = self.n_updates = 0
-        self._partition = self._halo = self._plan_x = self._list_x = None
+        self._partition: Partition | None = None
+        self._halo: Halo | None = None
+        self._plan_x: Floats | None = None
+        self._list_x: Floats | None = None
         self._calls, self._looked, self._assigned = 0, -balance_every, particles.n_assigned
         self._removed = False
 
-    def _validate(self):
+    def _validate(self) -> None:
         shape = (self.particles.dim,)
         if self.lower.shape != shape or self.upper.shape != shape or not (self.lower < self.upper).all():
             raise CaseError(f"the box from {self.lower} to {self.upper} has no inside in {shape[0]} dimensions")
@@ -114,7 +119,7 @@ class Domain:
         renumbered, self._removed = renumbered or self._removed, False
         return renumbered
 
-    def remove(self, which: np.ndarray) -> None:
+    def remove(self, which: Flags) -> None:
         """Take owned particles out of the scene, and renew order, ghosts and lists. Collective.
 
         which : (n_owned,) bool. The next `refresh` tells that row numbers have changed.
@@ -164,7 +169,7 @@ class Domain:
 
     # -- when ------------------------------------------------------------------------------
 
-    def _survey(self):
+    def _survey(self) -> Survey:
         if self._assigned != self.particles.n_assigned:  # other particles: no earlier positions
             self._assigned = self.particles.n_assigned
             self._plan_x = self._list_x = None
@@ -174,7 +179,7 @@ class Domain:
         tank = (self.lower - self.radius, self.upper + self.radius) if self.closed else None
         return survey(self.particles, self._plan_x, self._list_x, grid, tank)
 
-    def _redistribute(self, force, found):
+    def _redistribute(self, force: bool, found: Survey) -> bool:
         self._calls += 1
         alone = self.particles.comm.size == 1
         moved = found.mean_drift > ALONE * self.skin if alone else found.plan_drift > self.skin
@@ -182,10 +187,10 @@ class Domain:
         if not (force or moved or partition is not self._partition):
             return False
         self._partition = partition
-        self._settle()
+        self._settle(partition)
         return True
 
-    def _next_partition(self, stray, moving):
+    def _next_partition(self, stray: float, moving: bool) -> Partition:
         """Return the partition to use from now on, the same object when it need not change."""
         old = self._partition
         if old is None or stray > STRAY * (old.grid.upper - old.grid.origin).max():
@@ -196,7 +201,7 @@ class Domain:
         # Renumbering is expensive: keep the partition if the cells are too coarse for a better one.
         return old if np.array_equal(new.splitters, old.splitters) else new
 
-    def _is_uneven(self, moving):
+    def _is_uneven(self, moving: bool) -> bool:
         """Return whether the work is too uneven.
 
         Measured only in every `balance_every`-th call and whenever particles move.
@@ -209,7 +214,7 @@ class Domain:
         comm.Allgather(np.array([self.work], np.int64), loads)
         return imbalance(loads) > self.tolerated
 
-    def _work(self):
+    def _work(self) -> Ints:
         """Return the work of each owned particle (n_owned,) int64, the same for all where lists are not known."""
         p = self.particles
         if self._list_x is None:
@@ -218,15 +223,15 @@ class Domain:
 
     # -- how -------------------------------------------------------------------------------
 
-    def _partition_now(self, grid=None):
+    def _partition_now(self, grid: Grid | None = None) -> Partition:
         """Make a partition of equal work for the particles where they are now."""
         p = self.particles
-        grid = grid or Grid.covering(*self._bounds(), self.width * ROUNDING)
+        grid = grid or Grid.covering(*self._bounds(), width=self.width * ROUNDING)
         if p.comm.size == 1:
             return Partition(grid, np.array([0, grid.end]))
         return Partition(grid, split(p.comm, grid.cells(grid.keys(p.x)), self._work(), grid.end))
 
-    def _bounds(self):
+    def _bounds(self) -> tuple[Floats, Floats]:
         """Corners of the box around the scene and all particles."""
         p = self.particles
         both = np.concatenate([-self.lower, self.upper])
@@ -236,35 +241,35 @@ class Domain:
             p.comm.Allreduce(MPI.IN_PLACE, both, op=MPI.MAX)
         return -both[:p.dim], both[p.dim:]
 
-    def _settle(self):
+    def _settle(self, partition: Partition) -> None:
         """Move particles to their owners, sort them, and make ghosts."""
-        p, grid = self.particles, self._partition.grid
+        p, grid = self.particles, partition.grid
         self.destroy()
         p.resize(p.n_owned, 0)
         keys = grid.keys(p.x)
         if p.comm.size > 1:
-            owners = self._partition.owners(grid.cells(keys))
+            owners = partition.owners(grid.cells(keys))
             arrived = migrate(p, owners)
             keys = np.concatenate([keys[owners == p.comm.rank], grid.keys(p.x[p.n_owned - arrived:])])
         order = np.argsort(keys, kind="stable")
         p.reorder(order)
         rows = np.arange(p.offset, p.offset + p.n_owned)
         if p.comm.size > 1:
-            self._halo = Halo(p, self._partition, grid.cells(keys[order]), self.width)
+            self._halo = Halo(p, partition, grid.cells(keys[order]), self.width)
             rows = np.concatenate([rows, self._halo.rows])
         self.global_rows = rows.astype(np.int32 if p.n_global < 2**31 else np.int64)
         self.elements.settle(p, self.width)
         self._plan_x, self._list_x = p.x.copy(), None
         self.n_plans += 1
 
-    def _rebuild_lists(self):
+    def _rebuild_lists(self) -> None:
         p, radius = self.particles, self.radius + 2.0 * self.list_skin
         self.indptr, self.indices = self._around = neighbour_lists(p.x_all, p.n_owned, radius)
         self.elements.renew(p, radius)
         self._list_x = p.x.copy()
         self.n_lists += 1
 
-    def _look_past_walls(self):
+    def _look_past_walls(self) -> None:
         """Leave in the lists what is seen from where particles are now.
 
         Lists last until particles have moved, on several ranks also until the work is shared anew, and a restart makes

@@ -14,6 +14,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from types import TracebackType
+from typing import Any, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -40,11 +41,11 @@ class Guard:
     must support calls from several threads (MPI_THREAD_MULTIPLE, which mpi4py requests).
     """
 
-    _key = None
-    _all = weakref.WeakSet()
+    _key: int | None = None
+    _all: "weakref.WeakSet[Guard]" = weakref.WeakSet()
     _failed = False    # this process ends by an uncaught exception
     _watched = False   # the end of this process has its hooks
-    _world = None      # communicator of all ranks
+    _world: MPI.Comm | None = None      # communicator of all ranks
     _used = False      # `of` has returned before, for any communicator
     _met = False       # all ranks of `_world` have been in `of`
 
@@ -56,20 +57,20 @@ class Guard:
         return guard
 
     @classmethod
-    def _found(cls, comm):
+    def _found(cls, comm: MPI.Comm) -> "Guard":
         cls.watch()
         if cls._key is None:
             cls._key = MPI.Comm.Create_keyval(delete_fn=lambda comm, key, guard: guard.close())
-        guard = comm.Get_attr(cls._key)
+        guard: Any = comm.Get_attr(cls._key)
         if guard is None:
             if comm == cls._world and not cls._met:
                 cls._meet(comm)
             guard = cls(comm)
             comm.Set_attr(cls._key, guard)
-        return guard
+        return cast(Guard, guard)
 
     @classmethod
-    def _meet(cls, comm):
+    def _meet(cls, comm: MPI.Comm) -> None:
         """Wait until all ranks are here; end all ranks if one of them has ended instead. Collective."""
         meeting = _Meeting(comm, ends=False)
         meeting.wait(np.inf)
@@ -81,8 +82,8 @@ class Guard:
         self.comm = comm.Dup()
         self.calls = 0            # made so far, with the present one
         self.alone = False        # an error of this rank is not on the others
-        self._call = None         # name of the present call
-        self._left = {}           # calls that ranks had made when they ended
+        self._call: str | None = None    # name of the present call
+        self._left: dict[int, int] = {}  # calls that ranks had made when they ended
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._look, name="guard", daemon=True)
         if MPI.Query_thread() == MPI.THREAD_MULTIPLE:
@@ -120,9 +121,10 @@ class Guard:
 
     # -- ranks that end ----------------------------------------------------------------------
 
-    def _look(self):
+    def _look(self) -> None:
         """If this rank is in one call for long, check whether a rank that it waits for has ended. Runs in a thread."""
-        before, wait = None, LOOK
+        before: int | None = None
+        wait = LOOK
         while not self._ended.wait(wait):
             now = self.calls if self._call else None
             if now is None or now != before:
@@ -135,18 +137,18 @@ class Guard:
                     _abort(self.comm, f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}",
                            1)
 
-    def _stop_looking(self):
+    def _stop_looking(self) -> None:
         self._ended.set()
         if self._thread.is_alive():
             self._thread.join()
 
-    def _receive(self):
+    def _receive(self) -> None:
         """Receive the messages of ranks that have ended so far."""
         status = MPI.Status()
         while self.comm.Iprobe(tag=_ENDED, status=status):
             self._left[status.source] = self.comm.recv(source=status.source, tag=_ENDED)
 
-    def _leave(self):
+    def _leave(self) -> None:
         """Tell others that this rank ends. If it ends with an exception, all ranks end within PATIENCE."""
         self._stop_looking()
         sent = [self.comm.isend(self.calls, rank, _ENDED) for rank in self._partners(1)]
@@ -160,7 +162,7 @@ class Guard:
         if len(self._left) < due:
             _abort(self.comm, f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
-    def _partners(self, sign):
+    def _partners(self, sign: int) -> set[int]:
         """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait,
         one of them."""
         size = self.comm.size
@@ -195,7 +197,7 @@ class Guard:
         atexit.register(leave)
 
     @classmethod
-    def _leave_world(cls, comm):
+    def _leave_world(cls, comm: MPI.Comm) -> None:
         """Tell ranks that are yet to make their first call on `comm` that this rank has ended.
 
         If it ends with an exception before its own first call, on any communicator, all ranks end within
@@ -214,17 +216,17 @@ class _Meeting:
     It cannot be mistaken for a user's messages.
     """
 
-    def __init__(self, comm, ends):
+    def __init__(self, comm: MPI.Comm, ends: bool) -> None:
         self.size = comm.size
         self._mine, self._least = np.array([comm.rank if ends else comm.size]), np.array([comm.size])
         self._request = comm.Iallreduce(self._mine, self._least, MPI.MIN)
 
     @property
-    def ended(self):
+    def ended(self) -> int | None:
         """The lowest rank that ends, None if there is none. Known when all have come."""
         return None if self._least[0] == self.size else int(self._least[0])
 
-    def wait(self, patience):
+    def wait(self, patience: float) -> bool:
         """Return whether all ranks come within `patience` [s]."""
         deadline, pause = time.monotonic() + patience, 1e-5
         while not self._request.Test():
@@ -240,7 +242,7 @@ def all_come(comm: MPI.Comm) -> bool:
     return _Meeting(comm, ends=True).wait(PATIENCE)
 
 
-def _abort(comm, text, code):
+def _abort(comm: MPI.Comm, text: str, code: int) -> None:
     with suppress(OSError):    # nobody reads it any more
         sys.stdout.flush()
         print(f"parisph: {text}: stopping all {comm.size} ranks", file=sys.stderr, flush=True)

@@ -1,8 +1,11 @@
 """Ghosts: the copies that a rank holds of other ranks' particles near its own."""
 
+from typing import Any
+
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats, Ints
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FIELDS, ORDER
 from parisph.kernels.jit import kernel, subkernel
@@ -37,9 +40,9 @@ class Halo:
     receivers, n_sent : int, ranks that get ghosts from here, and their ghosts together
     """
 
-    def __init__(self, particles: Particles, partition: Partition, cells: np.ndarray, width: float) -> None:
+    def __init__(self, particles: Particles, partition: Partition, cells: Ints, width: float) -> None:
         self.particles = particles
-        self._units = {}
+        self._units: dict[int, MPI.Datatype] = {}
         particles.resize(particles.n_owned, 0)
         ranks, which = senders(particles.x, cells, partition, width * ROUNDING, particles.comm.rank)
         self.receivers, self.n_sent = len(np.unique(ranks)), len(ranks)
@@ -47,7 +50,7 @@ class Halo:
         owner, leaf_root = self._first_message(ranks, which, root)
         self._forest = _star_forest(particles.comm, len(self._roots), owner, leaf_root)
 
-    def _first_message(self, ranks, which, root):
+    def _first_message(self, ranks: Ints, which: Ints, root: Ints) -> tuple[Ints, Ints]:
         """Fill the ghosts; return the owner of each, and its number among the owner's roots."""
         p = self.particles
         names = p.fields.exchanged
@@ -69,7 +72,8 @@ class Halo:
         Raises ParisphError if there is no such field (on all ranks if all ask for the same fields).
         """
         p, dim = self.particles, self.particles.dim
-        parts, columns = [], 0
+        parts: list[tuple[int, Array]] = []
+        columns = 0
         for name in names:
             width = _width(name, dim)
             parts.append((columns, _as_columns(getattr(p, f"{name}_all"), width)))
@@ -83,7 +87,7 @@ class Halo:
         for place, values in parts:
             _put(values, leaf, place)
 
-    def _unit(self, columns):
+    def _unit(self, columns: int) -> MPI.Datatype:
         if columns not in self._units:
             self._units[columns] = MPI.DOUBLE.Create_contiguous(columns).Commit()
         return self._units[columns]
@@ -96,14 +100,14 @@ class Halo:
         self._units.clear()
 
 
-def _width(name, dim):
+def _width(name: str, dim: int) -> int:
     """Number of doubles that a field takes in a message."""
     if name not in FIELDS:
         raise ParisphError(f"no such particle field: {name} (there are {', '.join(FIELDS)})")
-    return dim ** ORDER[FIELDS[name].shape]
+    return int(dim ** ORDER[FIELDS[name].shape])
 
 
-def _as_columns(values, width):
+def _as_columns(values: Array, width: int) -> Array:
     """Return a view of values (n, width), as doubles where these have as many bytes: an id may need all 64 bits."""
     return (values.view(np.float64) if values.dtype.itemsize == 8 else values).reshape(len(values), width)
 
@@ -113,7 +117,8 @@ def compile_for_ranks() -> None:
     nowhere = Partition(Grid(np.zeros(2), 1.0, 1, 0, *machine(2)), np.zeros(2, np.int64))
     senders(np.zeros((0, 2)), np.zeros(0, np.int64), nowhere, 0.0, 0)
     for kind in {np.float64 if np.dtype(field.dtype).itemsize == 8 else field.dtype for field in FIELDS.values()}:
-        values, message = np.zeros((1, 1), kind), np.zeros((1, 1))
+        values: Array = np.zeros((1, 1), kind)
+        message = np.zeros((1, 1))
         _take(message, 0, values, np.zeros(1, np.int64))
         _put(values, message, 0)
 
@@ -135,7 +140,7 @@ def _put(values, leaf, place):
             values[first + k, column] = leaf[k, place + column]
 
 
-def _star_forest(comm, n_roots, owner, root):
+def _star_forest(comm: MPI.Comm, n_roots: int, owner: Ints, root: Ints) -> Any:
     """Return the star forest in which leaf k copies root[k] of rank owner[k]. Collective."""
     from parisph.parallel.petsc import PETSc  # here, because the import starts PETSc
 
@@ -146,8 +151,8 @@ def _star_forest(comm, n_roots, owner, root):
     return forest
 
 
-def senders(x: np.ndarray, cells: np.ndarray, partition: Partition, width: float,
-            rank: int) -> tuple[np.ndarray, np.ndarray]:
+def senders(x: Floats, cells: Ints, partition: Partition, width: float,
+            rank: int) -> tuple[Ints, Ints]:
     """Find which ranks need ghosts of which particles. Not collective.
 
     Parameters

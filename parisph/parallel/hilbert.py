@@ -12,13 +12,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from parisph.base.arrays import Ints
 from parisph.kernels.jit import subkernel
 
 KEY_BITS = 62  # bits in a key; int64 also holds the key one past the last
 
 
 @lru_cache(maxsize=None)
-def machine(dim: int) -> tuple[np.ndarray, np.ndarray]:
+def machine(dim: int) -> tuple[Ints, Ints]:
     """Return (place, following): (states, 2^dim) tables of the machine, int64, for `key_of`.
 
     A state is (entry corner, direction) of the curve in a cube: state = direction * 2^dim + entry.
@@ -38,17 +39,17 @@ def machine(dim: int) -> tuple[np.ndarray, np.ndarray]:
     return place, following
 
 
-def _rotate(word, by, dim):
+def _rotate(word: int, by: int, dim: int) -> int:
     """Rotate the dim bits of a word to the left."""
     by %= dim
     return ((word << by) | (word >> (dim - by))) & ((1 << dim) - 1)
 
 
-def _gray(i):
+def _gray(i: int) -> int:
     return i ^ (i >> 1)
 
 
-def _gray_inverse(code):
+def _gray_inverse(code: int) -> int:
     i = 0
     while code:
         i ^= code
@@ -56,12 +57,12 @@ def _gray_inverse(code):
     return i
 
 
-def _entry(w):
+def _entry(w: int) -> int:
     """Corner at which the curve enters sub-cube w."""
     return _gray(2 * ((w - 1) // 2)) if w else 0
 
 
-def _direction(w, dim):
+def _direction(w: int, dim: int) -> int:
     """Axis along which the curve crosses sub-cube w."""
     if w == 0:
         return 0
@@ -73,7 +74,7 @@ def _direction(w, dim):
 
 
 @subkernel
-def key_of(cell: np.ndarray, bits: int, place: np.ndarray, following: np.ndarray) -> int:
+def key_of(cell: Ints, bits: int, place: Ints, following: Ints) -> int:
     """Return the key of one cell, an int64 array or tuple of coordinates."""
     dim = len(cell)
     state, key = 0, 0

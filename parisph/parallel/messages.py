@@ -1,24 +1,26 @@
 """Particles packed into records, and their exchange between any ranks."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Ints
 from parisph.base.fields import FIELDS
 from parisph.parallel.particles import Particles
 
 _TAG = 71
 
 
-def record_type(names: Sequence[str], dim: int, extra: Sequence[tuple[str, type]] = ()) -> np.dtype:
+def record_type(names: Sequence[str], dim: int, extra: Sequence[tuple[str, type]] = ()) -> np.dtype[Any]:
     """Return the numpy type of one particle's record: the named fields, then extra (name, type) pairs."""
     fields = [(name, FIELDS[name].dtype, FIELDS[name].empty(0, dim).shape[1:]) for name in names]
     return np.dtype(fields + list(extra))
 
 
-def pack(particles: Particles, names: Sequence[str], which: np.ndarray,
-         extra: Sequence[tuple[str, type]] = ()) -> np.ndarray:
+def pack(particles: Particles, names: Sequence[str], which: Ints,
+         extra: Sequence[tuple[str, type]] = ()) -> Array:
     """Return the records of the owned particles `which` (n,), with `extra` parts left undefined."""
     records = np.empty(len(which), record_type(names, particles.dim, extra))
     for name in names:
@@ -26,13 +28,13 @@ def pack(particles: Particles, names: Sequence[str], which: np.ndarray,
     return records
 
 
-def unpack(particles: Particles, names: Sequence[str], records: np.ndarray, start: int) -> None:
+def unpack(particles: Particles, names: Sequence[str], records: Array, start: int) -> None:
     """Write the named fields of records to the local particles from number `start` on."""
     for name in names:
         getattr(particles, f"{name}_all")[start:start + len(records)] = records[name]
 
 
-def exchange(comm: MPI.Comm, records: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def exchange(comm: MPI.Comm, records: Array, counts: Ints) -> tuple[Array, Ints]:
     """Send records to other ranks, in one message per receiver. Collective.
 
     Parameters
@@ -58,7 +60,7 @@ def exchange(comm: MPI.Comm, records: np.ndarray, counts: np.ndarray) -> tuple[n
     return received, senders
 
 
-def _messages(records, counts, kind):
+def _messages(records: Array, counts: Ints, kind: MPI.Datatype) -> Iterator[tuple[int, list[Any]]]:
     """Yield (rank, message) for each rank with records, in the form that mpi4py takes."""
     ends = np.cumsum(counts)
     for rank in np.flatnonzero(counts):

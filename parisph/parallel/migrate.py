@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from parisph.base.arrays import Ints
 from parisph.parallel.messages import exchange, pack, unpack
 from parisph.parallel.particles import Particles
 
 
-def migrate(particles: Particles, owners: np.ndarray) -> int:
+def migrate(particles: Particles, owners: Ints) -> int:
     """Move each owned particle to its owner, with all fields that migrate. Collective.
 
     Parameters

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array, Ints
 from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
 from parisph.base.fields import EVERY, FieldSet
@@ -39,7 +40,8 @@ class Particles:
     n_owned: int
     n_ghost: int
     n_assigned: int
-    offsets: np.ndarray
+    offsets: Ints
+    _store: dict[str, Array]
 
     def __init__(self, comm: Communicator, dim: int, fields: FieldSet = EVERY) -> None:
         if dim not in (2, 3):
@@ -65,16 +67,16 @@ class Particles:
         view = vars(self).get(name)
         if name not in self.fields and name.removesuffix("_all") not in self.fields:
             object.__setattr__(self, name, values)
-        elif values is not view:  # `p.u += a` has already worked in place
+        elif view is not None and values is not view:  # `p.u += a` has already worked in place
             view[...] = values
 
-    def __getattr__(self, name: str) -> np.ndarray:
+    def __getattr__(self, name: str) -> Array:
         # only asked for what is not there
         raise AttributeError(f"these particles have no {name!r}: no part of the scene's method declares such a field")
 
     # -- contents --------------------------------------------------------------------------
 
-    def assign(self, arrays: Mapping[str, np.ndarray]) -> None:
+    def assign(self, arrays: Mapping[str, Array]) -> None:
         """Replace all particles; fields not given get their default, ghosts are dropped. Collective.
 
         Parameters
@@ -94,7 +96,7 @@ class Particles:
         self.n_assigned += 1
         self.renumber()
 
-    def _fault(self, arrays):
+    def _fault(self, arrays: Mapping[str, Array]) -> str | None:
         unknown = sorted(set(arrays) - set(self.fields))
         if unknown:
             return f"no such particle field: {', '.join(unknown)} (this scene has {', '.join(self.fields)})"
@@ -124,20 +126,20 @@ class Particles:
         self.n_owned, self.n_ghost = n_owned, n_ghost
         self._expose()
 
-    def reorder(self, order: np.ndarray) -> None:
+    def reorder(self, order: Ints) -> None:
         """Keep the owned particles `order` (n,), int, in that order; drop ghosts. Not collective."""
         for array in self._store.values():
             array[:len(order)] = array[:self.n_owned][order]
         self.resize(len(order), 0)
 
-    def cloud(self, indptr: np.ndarray, indices: np.ndarray, spacing: float) -> Cloud:
+    def cloud(self, indptr: Array, indices: Array, spacing: float) -> Cloud:
         """Return the record that kernels take, with these CSR lists of neighbours."""
         return Cloud(self.x_all, self.kind_all, self.role_all, self.normal_all, self.corner_all, self.volume_all,
                      indptr, indices, spacing, axes_of(self.dim))
 
     # -- storage ---------------------------------------------------------------------------
 
-    def _reserve(self, n):
+    def _reserve(self, n: int) -> None:
         for name, field in self.fields.items():
             old = self._store.get(name)
             if old is None or len(old) < n:
@@ -146,7 +148,7 @@ class Particles:
                     new[:self.n_owned] = old[:self.n_owned]
                 self._store[name] = new
 
-    def _expose(self):
+    def _expose(self) -> None:
         """Make the views plain attributes, which are fast to read."""
         for name, array in self._store.items():
             vars(self)[name] = array[:self.n_owned]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats, Ints
 from parisph.kernels.jit import kernel, subkernel
 from parisph.parallel.hilbert import KEY_BITS, key_of, machine
 
@@ -24,15 +25,15 @@ class Grid(NamedTuple):
     place, following : tables of the Hilbert curve through the cells (hilbert.machine)
     """
 
-    origin: np.ndarray
+    origin: Floats
     size: float
     bits: int
     fine: int
-    place: np.ndarray
-    following: np.ndarray
+    place: Ints
+    following: Ints
 
     @classmethod
-    def covering(cls, lower: np.ndarray, upper: np.ndarray, width: float) -> "Grid":
+    def covering(cls, lower: Floats, upper: Floats, width: float) -> "Grid":
         """Return the grid over a box, (dim,) corners [m], with cells at least `width` [m] wide."""
         dim = len(lower)
         extent = max(float(np.max(upper - lower)), width)
@@ -51,17 +52,17 @@ class Grid(NamedTuple):
         return 1 << (self.dim * self.bits)
 
     @property
-    def upper(self) -> np.ndarray:
+    def upper(self) -> Floats:
         """(dim,) upper corner [m]."""
         return self.origin + self.size * 2.0**self.bits
 
-    def keys(self, x: np.ndarray) -> np.ndarray:
+    def keys(self, x: Floats) -> Ints:
         """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
         keys = np.empty(len(x), np.int64)
         _position_keys(keys, x, self)
         return keys
 
-    def cells(self, keys: np.ndarray) -> np.ndarray:
+    def cells(self, keys: Ints) -> Ints:
         """Return the keys of the cells that contain fine keys."""
         return keys >> (self.dim * self.fine)
 
@@ -95,14 +96,14 @@ class Partition:
     """
 
     grid: Grid
-    splitters: np.ndarray
+    splitters: Ints
 
-    def owners(self, cells: np.ndarray) -> np.ndarray:
+    def owners(self, cells: Ints) -> Ints:
         """Return the ranks (n,) that own the cells of the given keys (n,)."""
         return np.searchsorted(self.splitters[1:-1], cells, side="right")
 
 
-def split(comm: MPI.Comm, cells: np.ndarray, weights: np.ndarray, end: int) -> np.ndarray:
+def split(comm: MPI.Comm, cells: Ints, weights: Ints, end: int) -> Ints:
     """Divide the curve into one range per rank, of equal weight as far as cells allow. Collective.
 
     Finds all cuts at once by bisection of the range of keys. Each round needs one sum over the ranks,
@@ -124,8 +125,8 @@ def split(comm: MPI.Comm, cells: np.ndarray, weights: np.ndarray, end: int) -> n
     total = comm.allreduce(int(sums[-1]))
     targets = np.array([rank * total // comm.size for rank in range(1, comm.size)], np.int64)
 
-    def below(keys):
-        found = sums[np.searchsorted(cells, keys)]
+    def below(keys: Ints) -> Ints:
+        found: Ints = sums[np.searchsorted(cells, keys)]
         comm.Allreduce(MPI.IN_PLACE, found)
         return found
 
@@ -142,7 +143,7 @@ def split(comm: MPI.Comm, cells: np.ndarray, weights: np.ndarray, end: int) -> n
     return np.concatenate([[0], cuts, [end]])
 
 
-def imbalance(loads: np.ndarray) -> float:
+def imbalance(loads: Ints) -> float:
     """Return max/mean of the ranks' loads; 1 if there is no load."""
     mean = np.mean(loads)
     return float(np.max(loads) / mean) if mean > 0.0 else 1.0

@@ -12,6 +12,7 @@ import ctypes
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -27,7 +28,7 @@ _M_MMAP_THRESHOLD, _M_MMAP_MAX = -3, -4    # of malloc.h
 petsc4py_version = petsc4py.__version__
 
 
-def _file_of_the_user():
+def _file_of_the_user() -> str | None:
     """Return the path of ~/.petscrc, None where there is none or the home folder is the current one."""
     try:
         home = Path.home()
@@ -38,7 +39,7 @@ def _file_of_the_user():
 
 
 @contextmanager
-def _read_first(file):
+def _read_first(file: str | None) -> Iterator[None]:
     """Let PETSc read an option file before the rest of PETSC_OPTIONS, which wins, as it does over ~/.petscrc."""
     before = os.environ.get(VARIABLE)
     if file is not None:
@@ -53,7 +54,7 @@ def _read_first(file):
 
 
 @contextmanager
-def _pipes_left_alone():
+def _pipes_left_alone() -> Iterator[None]:
     """Take SIGPIPE back from PETSc, which would end the run as soon as the reader of its output leaves."""
     before = signal.getsignal(signal.SIGPIPE)
     yield
@@ -62,7 +63,7 @@ def _pipes_left_alone():
             signal.signal(signal.SIGPIPE, before)
 
 
-def _give_large_arrays_back():
+def _give_large_arrays_back() -> None:
     """Let malloc of glibc return arrays above LARGE to the system when they are freed, unless the user has set it.
 
     Once PETSc is loaded, malloc keeps all that it ever had, in pieces that often fit nothing else: half a million
@@ -84,4 +85,4 @@ if "petsc4py.PETSc" not in sys.modules:
 
 Guard.watch(MPI.COMM_WORLD)    # all ranks are here, and one may end before its first call
 
-from petsc4py import PETSc  # noqa: E402, F401
+from petsc4py import PETSc as PETSc  # noqa: E402

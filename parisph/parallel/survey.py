@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import ParticleLost, agree
 from parisph.kernels.jit import kernel
 from parisph.parallel.particles import Particles
@@ -25,8 +26,8 @@ class Survey:
     mean_drift: float
 
 
-def survey(particles: Particles, plan_x: np.ndarray | None, list_x: np.ndarray | None,
-           grid: tuple[np.ndarray, np.ndarray], tank: tuple[np.ndarray, np.ndarray] | None = None) -> Survey:
+def survey(particles: Particles, plan_x: Floats | None, list_x: Floats | None,
+           grid: tuple[Floats, Floats], tank: tuple[Floats, Floats] | None = None) -> Survey:
     """Check every particle once. Collective.
 
     Parameters
@@ -51,7 +52,8 @@ def survey(particles: Particles, plan_x: np.ndarray | None, list_x: np.ndarray |
     if found[3]:
         agree(comm, _loss(particles, walls))
     mean = np.inf if plan_x is None else np.sqrt(squares / max(len(x), 1))
-    return Survey(*(float(value) for value in found[:3]), float(mean))
+    plan, last, stray, _ = found.tolist()
+    return Survey(plan, last, stray, float(mean))
 
 
 @kernel
@@ -71,7 +73,7 @@ def _survey(found, x, plan_x, list_x, grid, walls):
     return squares
 
 
-def _loss(particles, walls):
+def _loss(particles: Particles, walls: tuple[Floats, Floats]) -> ParticleLost | None:
     """Return the error to raise on this rank, or None."""
     x = particles.x
     broken = ~np.isfinite(x).all(axis=1)

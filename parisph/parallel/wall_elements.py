@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.fields import DRY, WALL
 from parisph.case.motion import Motion
 from parisph.geometry.distance import nearest
@@ -53,11 +54,12 @@ class WallElements:
         self._place()
 
     @property
-    def edges(self) -> np.ndarray:
+    def edges(self) -> Array:
         """What edges the corners of the elements near this rank's particles are, (M, dim) int8 (geometry.mesh)."""
-        return self.mesh.edge[self.mesh.elements[self._near]]
+        edges: Array = self.mesh.edge[self.mesh.elements[self._near]]
+        return edges
 
-    def before_moving(self, particles: Particles) -> np.ndarray:
+    def before_moving(self, particles: Particles) -> Floats:
         """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
         p = particles
         found, own = np.full(p.n_owned, np.inf), np.full(p.n_owned, self.motion.max(initial=0))    # fluid is left out
@@ -66,7 +68,7 @@ class WallElements:
         wetness.before_moving_walls(found, p.x, own, self.walls, self.motion, axes_of(p.dim))
         return found
 
-    def without_room(self, particles: Particles) -> np.ndarray:
+    def without_room(self, particles: Particles) -> Flags:
         """Return which wall particles (n_owned,) are dry because fluid has no room in front of them.
 
         They are the nodes before and behind a wall that moves, and those at the ends of lines of elements, as the foot
@@ -120,19 +122,19 @@ class WallElements:
         here, node = self._here(p.kind, p.id)
         p.wall_u[here] = self.u[node]
 
-    def of_particles(self, values: np.ndarray, particles: Particles) -> np.ndarray:
+    def of_particles(self, values: Floats, particles: Particles) -> Floats:
         """Return values (N, dim) of nodes at the owned particles that are nodes of moving walls, 0 at others."""
         found = np.zeros_like(particles.x)
         here, node = self._here(particles.kind, particles.id)
         found[here] = values[node]
         return found
 
-    def of_walls(self, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def of_walls(self, particles: Particles) -> tuple[Ints, Floats, Floats, Floats]:
         """Return which particles are nodes of moving walls, ghosts included: (m,), and their a, turn and u (m, dim)."""
         here, node = self._here(particles.kind_all, particles.id_all)
         return here, self.a[node], self.turn[node], self.u[node]
 
-    def _here(self, kind, number):
+    def _here(self, kind: Array, number: Ints) -> tuple[Ints, Ints]:
         """Return which particles are nodes of moving walls, and which nodes these are."""
         here = np.flatnonzero(kind == WALL)
         node = number[here] - self.first
@@ -159,12 +161,12 @@ class WallElements:
             near = (corners.min(axis=1) <= upper).all(axis=1) & (corners.max(axis=1) >= lower).all(axis=1)
             self._near = np.flatnonzero(near)
         local = np.full(len(self.x), -1, np.int32)
-        walls = np.flatnonzero(p.kind_all == WALL)
+        walls = np.flatnonzero((p.kind_all == WALL) & (len(self.x) > 0))    # without elements they are of no mesh
         local[p.id_all[walls] - self.first] = walls
         self.nodes = local[self.mesh.elements[self._near]]
         self._place()
 
-    def _place(self):
+    def _place(self) -> None:
         elements = self.mesh.elements[self._near]
         self.velocity, self.acceleration = self._mean[elements].mean(axis=1), self.a[elements].mean(axis=1)
         self.motion = self.node_motion[elements[:, 0]]
@@ -172,17 +174,16 @@ class WallElements:
         self.walls = self.walls._replace(corners=np.ascontiguousarray(self.x[elements]), velocity=self.velocity,
                                          present=np.ones(n), sticks=np.zeros(n, np.bool_))
 
-    def name_near(self, x: np.ndarray) -> str:
+    def name_near(self, x: Floats) -> str:
         """Return the name of the body of the chosen element nearest to x (dim,) [m]."""
         element = int(nearest(x[None], self.walls.corners)[1][0])
-        return self.mesh.bodies[self.mesh.element_body[self._near[element]]].name
+        return str(self.mesh.bodies[self.mesh.element_body[self._near[element]]].name)
 
     def renew(self, particles: Particles, radius: float) -> None:
         """Find the elements that may come within the radius [m] of owned particles until the next call."""
         self._candidates = solids.near_lists(particles.x, self.walls.corners, radius)
 
-    def look(self, particles: Particles, radius: float, indptr: np.ndarray,
-             indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
         """Make the lists of the elements within the radius [m] of owned particles, as they are now; return neighbour
         lists without what is behind a wall."""
         cloud = particles.cloud(indptr, indices, self.spacing)
@@ -190,11 +191,11 @@ class WallElements:
         self.walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)
         return solids.seen_neighbours(cloud, self.walls) if len(others) else (indptr, indices)
 
-    def mean_of_nodes(self, values: np.ndarray) -> np.ndarray:
+    def mean_of_nodes(self, values: Floats) -> Floats:
         """Return the mean over the corners of each element (M,) of values (n_all,) of particles.
 
         Corners at which there is no particle here do not count: their elements are far from all owned particles.
         """
         here = self.nodes >= 0
-        total = np.where(here, values[self.nodes], 0.0).sum(axis=1)
-        return total / np.maximum(here.sum(axis=1), 1)
+        mean: Floats = np.where(here, values[self.nodes], 0.0).sum(axis=1) / np.maximum(here.sum(axis=1), 1)
+        return mean

@@ -6,6 +6,7 @@ so that a run on several ranks could not be repeated bit for bit.
 
 import numpy as np
 
+from parisph.base.arrays import Array, Ints
 from parisph.base.fields import INNER, SURFACE, WET
 
 # Found by timing the kernels on three ranks, of which one had up to three times the work of another. Each
@@ -20,10 +21,11 @@ BY_ITSELF = 10
 TAKING_PART, LEFT_OUT = 10, 3
 
 
-def work_of(role: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
+def work_of(role: Array, neighbours: Ints) -> Ints:
     """Return the work of particles (n,) int64, in tenths of what one neighbour costs.
 
     role : (n,) as in the field registry; neighbours : (n,) int, lengths of their lists
     """
     each = np.where(np.isin(role, (INNER, SURFACE, WET)), TAKING_PART, LEFT_OUT)
-    return each * (np.asarray(neighbours, np.int64) + BY_ITSELF)
+    work: Ints = each * (np.asarray(neighbours, np.int64) + BY_ITSELF)
+    return work

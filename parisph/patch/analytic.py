@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Optional
 
 import numpy as np
 from pydantic import Field, field_validator
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import class_name, of_error, shown
 from parisph.case.model import Model
@@ -14,7 +14,7 @@ from parisph.case.model import Model
 STEP = {"gradient": 1e-4, "laplacian": 1e-3}    # of the differences that exact derivatives are compared with
 SLACK = 0.05    # of the largest one in any direction, within which they must agree
 
-Values = Callable[[np.ndarray], np.ndarray]
+Values = Callable[[Floats], Floats]
 
 
 class AnalyticField(Model):
@@ -26,28 +26,28 @@ class AnalyticField(Model):
 
     name: str = Field(min_length=1, max_length=40, description="name of the field")
     value: Values = Field(exclude=True, description="function of positions (n, dim) that returns (n,)")
-    gradient: Optional[Values] = Field(
-        None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
-    laplacian: Optional[Values] = Field(
-        None, exclude=True, description="function of positions (n, dim) that returns (n,)")
-    formula: str = Field("", max_length=80, description="formula for titles")
+    gradient: Values | None = Field(
+        default=None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
+    laplacian: Values | None = Field(
+        default=None, exclude=True, description="function of positions (n, dim) that returns (n,)")
+    formula: str = Field(default="", max_length=80, description="formula for titles")
 
     @field_validator("value", "gradient", "laplacian", mode="before")
     @classmethod
-    def _callable(cls, function):
+    def _callable(cls, function: object) -> object:
         if function is not None and not callable(function):
             raise ValueError(f"{shown(function)}: must be a function of positions (n, dim)")
         return function
 
-    def values(self, x: np.ndarray) -> np.ndarray:
+    def values(self, x: Floats) -> Floats:
         """Return the field at positions (n, dim): (n,). Raises CaseError for a function that fails."""
         return self._call("value", x, (len(x),))
 
-    def gradients(self, x: np.ndarray) -> np.ndarray:
+    def gradients(self, x: Floats) -> Floats:
         """Return the gradient at positions (n, dim): (n, dim). Raises CaseError."""
         return self._call("gradient", x, x.shape)
 
-    def laplacians(self, x: np.ndarray) -> np.ndarray:
+    def laplacians(self, x: Floats) -> Floats:
         """Return the Laplacian at positions (n, dim): (n,). Raises CaseError."""
         return self._call("laplacian", x, (len(x),))
 
@@ -69,7 +69,7 @@ class AnalyticField(Model):
                 raise CaseError(f"field {shown(self.name)}: its {name} is not that of its value: {shown(exact[k])} "
                                 f"instead of {shown(np.round(found[k], 4))} at {shown(np.round(x[k], 3))}")
 
-    def _differences(self, x, f, name):
+    def _differences(self, x: Floats, f: Floats, name: str) -> Floats:
         """Return first or second differences of the value f at x in each direction, (n, dim)."""
         step, dim = STEP[name], x.shape[1]
         pairs = [(self.values(x + step * unit), self.values(x - step * unit)) for unit in np.eye(dim)]
@@ -77,9 +77,9 @@ class AnalyticField(Model):
             return np.stack([(plus - minus) / (2.0 * step) for plus, minus in pairs], axis=1)
         return np.stack([(plus - 2.0 * f + minus) / step**2 for plus, minus in pairs], axis=1)
 
-    def _call(self, name: str, x: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    def _call(self, name: str, x: Floats, shape: tuple[int, ...]) -> Floats:
         try:
-            found: Any = np.asarray(getattr(self, name)(x), float)
+            found: Floats = np.asarray(getattr(self, name)(x), float)
         except KeyboardInterrupt:
             raise
         except BaseException as error:
@@ -93,32 +93,33 @@ class AnalyticField(Model):
         return found
 
 
-def _wave(x):
+def _wave(x: Floats) -> Floats:
     return np.cos(4.0 * np.pi * x[:, 0] + 8.0 * np.pi * x[:, 1])
 
 
-def _wave_gradient(x):
+def _wave_gradient(x: Floats) -> Floats:
     slope = -4.0 * np.pi * np.sin(4.0 * np.pi * x[:, 0] + 8.0 * np.pi * x[:, 1])
     return _beside(slope, 2.0 * slope, x)
 
 
-def _exponential(x):
+def _exponential(x: Floats) -> Floats:
     return np.exp(2.0 * x[:, 0] + 3.0 * x[:, 1])
 
 
-def _numbers(x):
+def _numbers(x: Floats) -> Floats:
     return np.arange(1.0, x.shape[1] + 1.0)
 
 
-def _harmonic(x):
-    return np.exp(2.0 * x[:, 1]) * np.cos(2.0 * x[:, 0] + 0.3)
+def _harmonic(x: Floats) -> Floats:
+    values: Floats = np.exp(2.0 * x[:, 1]) * np.cos(2.0 * x[:, 0] + 0.3)
+    return values
 
 
-def _harmonic_gradient(x):
+def _harmonic_gradient(x: Floats) -> Floats:
     return _beside(-2.0 * np.exp(2.0 * x[:, 1]) * np.sin(2.0 * x[:, 0] + 0.3), 2.0 * _harmonic(x), x)
 
 
-def _beside(along_x, along_y, x):
+def _beside(along_x: Floats, along_y: Floats, x: Floats) -> Floats:
     """Return a gradient without a component in z."""
     return np.stack([along_x, along_y, *[np.zeros(len(x))] * (x.shape[1] - 2)], axis=1)
 

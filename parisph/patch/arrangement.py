@@ -82,6 +82,7 @@ def tank(cells: Sequence[int], jitter: float, seed: int, lid: bool = False, spac
     return Arrangement(x, kind, (planes > 1).astype(np.int8), normal, role, index, top, moved, spacing)
 
 
-def _grid(lines):
+def _grid(lines: Sequence[Ints]) -> Ints:
     """Return all points of a lattice, (n, dim) int."""
-    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
+    points: Ints = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
+    return points

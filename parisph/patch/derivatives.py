@@ -1,15 +1,18 @@
 """Laplacians and gradients of a field on an arrangement of particles. Each rank on its own; nothing is collective."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.fields import BALLISTIC, FLUID, FieldSet
 from parisph.base.log import Timers
 from parisph.case.numerics import Numerics
 from parisph.kernels.cells import neighbour_lists
-from parisph.kernels.records import cloud_of
+from parisph.kernels.records import Cloud, cloud_of
 from parisph.methods import catalogue, lengths  # noqa: F401 (parts register)
 from parisph.methods.boundary import Boundary
 from parisph.methods.flow import Flow
@@ -25,7 +28,7 @@ class _Nothing:
 
     name = "nothing"
 
-    def fill(self, flux, cloud, u):
+    def fill(self, flux: Floats, cloud: Cloud, u: Floats) -> None:
         pass
 
 
@@ -37,19 +40,20 @@ class Discrete:
     arrangement: Arrangement
 
     @property
-    def measure(self) -> np.ndarray:
+    def measure(self) -> Floats:
         """(n,) [m^2], for walls [m]; 0 where there is no equation, or where it was given up."""
         return self.rows.rows.measure[:len(self.arrangement.x)]
 
-    def weighted(self, f: np.ndarray) -> np.ndarray:
+    def weighted(self, f: Floats) -> Floats:
         """Return sum_J values_J f_J of each row, (n,)."""
         n, buffers, start = len(self.arrangement.x), self.rows.rows, self.rows.cloud.indptr
         count = buffers.count[:n]
         entry = np.repeat(start[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
-        return np.bincount(np.repeat(np.arange(n), count), buffers.values[entry] * f[buffers.columns[entry]],
-                           minlength=n)
+        sums: Array = np.bincount(np.repeat(np.arange(n), count), buffers.values[entry] * f[buffers.columns[entry]],
+                                  minlength=n)
+        return sums
 
-    def derivative(self, f: np.ndarray) -> np.ndarray:
+    def derivative(self, f: Floats) -> Floats:
         """Return what the rows take for the Laplacian of f (n,), for wet walls its normal derivative.
 
         (n,), NaN where there is no equation, or where it was given up.
@@ -73,7 +77,7 @@ def discrete(arrangement: Arrangement, laplacian: str, wall_rows: str = "sfdi") 
     return Discrete(rows, a)
 
 
-def gradient(arrangement: Arrangement, f: np.ndarray, name: str, at_surface: str = "same") -> np.ndarray:
+def gradient(arrangement: Arrangement, f: Floats, name: str, at_surface: str = "same") -> Floats:
     """Return the gradient of f (n,) at fluid: (n, dim), NaN at walls, and at fluid with too few neighbours.
 
     name : of a part in GRADIENTS; at_surface : of one in SURFACE_GRADIENTS. Raises KeyError for a word without a part.
@@ -92,7 +96,7 @@ def gradient(arrangement: Arrangement, f: np.ndarray, name: str, at_surface: str
     return found
 
 
-def _flow(a, parts, numerics):
+def _flow(a: Arrangement, parts: Iterable[Any], numerics: Numerics) -> Flow:
     """Return the Flow of particles at rest, on this rank alone."""
     names = [name for part in parts for name in part.needs(numerics)]
     particles = Particles(MPI.COMM_SELF, a.dim, FieldSet((*Boundary.fields, *names)))

@@ -3,6 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.patch.derivatives import Discrete
 from parisph.pressure.solver import PressureSolver
@@ -10,7 +11,7 @@ from parisph.pressure.solver import PressureSolver
 RTOL = 1e-9    # of the solve: far below the errors of the operators
 
 
-def solution(system: Discrete, f: np.ndarray, laplacian: np.ndarray, gradient: np.ndarray | None = None) -> np.ndarray:
+def solution(system: Discrete, f: Floats, laplacian: Floats, gradient: Floats | None = None) -> Floats:
     """Return p (n,) with lap p = laplacian inside, n . grad p = n . gradient at walls, and p = f at the surface.
 
     system : rows of inner particles and walls; f, laplacian : (n,); gradient : (n, dim), needed if there are wet walls.
@@ -28,7 +29,7 @@ def solution(system: Discrete, f: np.ndarray, laplacian: np.ndarray, gradient: n
     # the solver's p is zero where it is known: f goes to the other side
     right = system.rows.right_hand_side(target) + system.weighted(np.where(known, f, 0.0))
     right[(a.role != INNER) & (a.role != WET)] = 0.0
-    indptr, columns, values, _ = system.rows.csr(a.role, np.arange(n, dtype=np.int32))
+    indptr, columns, values, _ = system.rows.csr(np.arange(n, dtype=np.int32))
     solver = PressureSolver(MPI.COMM_SELF, rtol=RTOL, closed=not known.any())
     try:
         p, _ = solver.solve(indptr, columns, values, right, None)

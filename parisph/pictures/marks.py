@@ -32,7 +32,7 @@ def draw_still_level(axes: "Axes", case: Case, placed: Placed) -> None:
 def draw_zones(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, float]) -> list[labels.Label]:
     """Shade the zones that absorb waves; return their names. heights : of their lower and upper ends [m]"""
     found = []
-    for zone in case.absorb:
+    for zone in case.zones:
         corners = placed(np.array([(zone.start, heights[0]), (zone.end, heights[0]), (zone.end, heights[1]),
                                    (zone.start, heights[1])]))
         axes.fill(*corners.T, facecolor="#bbbbbb44", edgecolor="#66666677", hatch="//", linewidth=0.0, zorder=1.7,

@@ -7,57 +7,13 @@ import numpy as np
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import rankine, surface_rows
 from parisph.kernels.jit import kernel
-from parisph.kernels.records import Cloud
+from parisph.kernels.rankine import Invariants
+from parisph.kernels.records import Cloud, Flux, Rows
 
 
-class Rows:
-    """Buffers of rows, which are kept from step to step; row I starts at indptr[I] of the neighbour lists.
-
-    count : (n,) int32, entries of each row but its diagonal; columns, values : (nnz,); measure : (n,)
-    """
-
-    def __init__(self) -> None:
-        self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
-        self.values, self.measure = np.empty(0), np.empty(0)
-
-    def reserve(self, n: int, nnz: int) -> None:
-        """Make room for n rows with nnz entries, all of them empty."""
-        if nnz > len(self.columns):
-            room = nnz + nnz // 8
-            self.columns, self.values = np.empty(room, np.int32), np.empty(room)
-        if n > len(self.count):
-            room = n + n // 8
-            self.count, self.measure = np.empty(room, np.int32), np.empty(room)
-        self.count[:n] = 0
-        self.measure[:n] = 0.0
-
-
-class Flux:
-    """Stencils of the divergence at inner particles: div u_I = sum_J flux_J . (u_J - u_I).
-
-    count : (n,) int32; columns : (nnz,) int32; flux : (nnz, dim) [1/m]; div : (n,) [1/s], of the velocity they were
-    filled with. Count and columns are those of the rows if the same kernel fills both.
-    """
-
-    def __init__(self, dim: int) -> None:
-        self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
-        self.flux, self.div = np.empty((0, dim)), np.empty(0)
-
-    def reserve(self, n: int, nnz: int, shared: Rows | None) -> None:
-        """Make room for n stencils with nnz entries. shared : rows whose count and columns are used, or None."""
-        if nnz > len(self.flux):
-            self.flux = np.empty((nnz + nnz // 8, self.flux.shape[1]))
-        if n > len(self.div):
-            self.div = np.empty(n + n // 8)
-        self.div[:n] = 0.0
-        if shared is not None:
-            self.columns, self.count = shared.columns, shared.count
-            return
-        if nnz > len(self.columns):
-            self.columns = np.empty(nnz + nnz // 8, np.int32)
-        if n > len(self.count):
-            self.count = np.empty(n + n // 8, np.int32)
-        self.count[:n] = 0
+def _with_room(array, n):
+    """Return an array for n items: this one if it has room for them."""
+    return array if n <= len(array) else np.empty((n + n // 8, *array.shape[1:]), array.dtype)
 
 
 class PressureRows:
@@ -77,26 +33,39 @@ class PressureRows:
         self.laplacian, self.divergence_part, self.walls = laplacian, divergence, walls
         self.offset, self.radius = offset, radius
         self.own_flux = laplacian.gives != divergence.name
-        self.rows, self.flux = Rows(), Flux(dim)
-        self._invariants: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        none, nothing = np.empty(0, np.int32), np.empty(0)
+        self.rows, self.flux = Rows(none, none, nothing, nothing), Flux(none, none, np.empty((0, dim)), nothing)
+        self._invariants: Invariants | None = None
 
     def fill(self, u: np.ndarray, cloud: Cloud, cells: np.ndarray) -> None:
         """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective.
 
+        The rows refer to the cloud: they are those of its particles until it is sorted anew, with the roles that these
+        then have.
+
         cells : (n_all,), the part of their cells that particles fill
         """
-        n, rows, flux = len(cloud.indptr) - 1, self.rows, self.flux
         self.cloud, self._invariants = cloud, None
-        rows.reserve(n, len(cloud.indices))
-        flux.reserve(n, len(cloud.indices), None if self.own_flux else rows)
+        self._reserve(len(cloud.indptr) - 1, len(cloud.indices))
+        rows, flux = self.rows, self.flux
         self.laplacian.fill(rows, cloud, flux, u)
         if self.own_flux:
             self.divergence_part.fill(flux, cloud, u)
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud, cells, self.offset * s,
-                                      self.radius * s)
+            surface_rows.surface_rows(rows, cloud, cells, self.offset * s, self.radius * s)
+
+    def _reserve(self, n, nnz):
+        """Make room for n rows and stencils with nnz entries, all of them empty."""
+        rows, flux = self.rows, self.flux
+        self.rows = rows = Rows(_with_room(rows.count, n), _with_room(rows.columns, nnz), _with_room(rows.values, nnz),
+                                _with_room(rows.measure, n))
+        shared = flux if self.own_flux else rows
+        self.flux = flux = Flux(_with_room(shared.count, n), _with_room(shared.columns, nnz),
+                                _with_room(flux.flux, nnz), _with_room(flux.div, n))
+        for array in (rows.count, rows.measure, flux.count, flux.div):
+            array[:n] = 0
 
     @property
     def div(self) -> np.ndarray:
@@ -107,56 +76,49 @@ class PressureRows:
         """Make p = 0 at some owned particles, given by a mask or their numbers, whose role becomes SURFACE."""
         self.rows.count[:len(self.cloud.indptr) - 1][which] = 0
 
-    def csr(self, role: np.ndarray, global_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def csr(self, global_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return (indptr, global columns, values, anchored) with the p = 0 columns dropped.
 
         anchored : (n_owned,) bool, rows with p = 0 or of the surface, or with such a neighbour.
         """
-        rows, indptr = self.rows, self.cloud.indptr
-        return compress(len(indptr) - 1, rows.count, rows.columns, rows.values, indptr, role, global_rows,
-                        self.offset > 0.0)
+        return compress(self.rows, self.cloud, global_rows, self.offset > 0.0)
 
     def right_hand_side(self, target: np.ndarray) -> np.ndarray:
         """Return -measure * target, (n_owned,)."""
         return -self.rows.measure[:len(target)] * target
 
-    def add_surface_values(self, right: np.ndarray, p: np.ndarray, role: np.ndarray) -> None:
+    def add_surface_values(self, right: np.ndarray, p: np.ndarray) -> None:
         """Add to the right-hand side (n_owned,) what makes p (n_all,) [Pa] the pressure on the surface, in place of 0.
 
-        Where surface particles lie below the surface, p is that above them. role : (n_all,)
+        Where surface particles lie below the surface, p is that above them.
         """
-        rows = self.rows
-        add_surface_values(right, p, role, rows.count, rows.columns, rows.values, self.offset > 0.0, self.cloud.indptr)
+        add_surface_values(right, self.rows, self.cloud, p, self.offset > 0.0)
 
-    def divergence(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
+    def divergence(self, out: np.ndarray, u: np.ndarray) -> None:
         """Write the flux divergence of u (n_all, dim) at inner particles to out (n_owned,) [1/s]."""
-        rankine.divergence(out, u, role, *self._stencils())
+        rankine.divergence(out, self.flux, self.cloud, u)
 
-    def gradient_invariants(self, u: np.ndarray, role: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return tr(G^2) [1/s^2], sqrt(2 G:G) and tr(G) [1/s] of G = grad u at inner particles, (n_owned,) each.
+    def gradient_invariants(self, u: np.ndarray) -> Invariants:
+        """Return the invariants of grad u at inner particles.
 
         They are found once for the rows, and not again until they are filled anew.
 
-        u : (n_all, dim) [m/s] of the flow; role : (n_all,)
+        u : (n_all, dim) [m/s] of the flow
         """
         if self._invariants is None:
-            square, rate, div = np.empty((3, len(self.cloud.indptr) - 1))
-            rankine.gradient_invariants(square, rate, div, u, role, *self._stencils())
-            self._invariants = square, rate, div
+            self._invariants = Invariants(*np.empty((3, len(self.cloud.indptr) - 1)))
+            rankine.gradient_invariants(self._invariants, self.flux, self.cloud, u)
         return self._invariants
-
-    def _stencils(self):
-        flux, cloud = self.flux, self.cloud
-        return flux.count, flux.columns, flux.flux, cloud.indptr, cloud.axes
 
 
 @kernel
-def add_surface_values(right: np.ndarray, p: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray,
-                       values: np.ndarray, solved: bool, indptr: np.ndarray) -> None:
+def add_surface_values(right: np.ndarray, rows: Rows, cloud: Cloud, p: np.ndarray, solved: bool) -> None:
     """Add the terms of `PressureRows.add_surface_values`.
 
     solved : whether surface particles have rows of their own, p_I - p_s = sum_J values_J (p_J - p_s)
     """
+    count, columns, values, _ = rows
+    role, indptr = cloud.role, cloud.indptr
     for i in range(len(right)):
         if role[i] == SURFACE:
             share = 1.0
@@ -171,14 +133,15 @@ def add_surface_values(right: np.ndarray, p: np.ndarray, role: np.ndarray, count
 
 
 @kernel
-def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray, start: np.ndarray, role: np.ndarray,
-             global_rows: np.ndarray, solved: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def compress(rows: Rows, cloud: Cloud, global_rows: np.ndarray,
+             solved: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Join the rows to one CSR with global columns; Dirichlet rows become p = 0.
 
     solved : whether surface particles have rows of their own
     """
-    indptr = np.empty(n + 1, np.int32)
-    entries = n
+    count, columns, values, _ = rows
+    role, start, n = cloud.role, cloud.indptr, len(cloud.indptr) - 1
+    indptr, entries = np.empty(n + 1, np.int32), n
     for i in range(n):
         entries += count[i]
     out_columns = np.empty(entries, np.int32)

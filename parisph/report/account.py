@@ -69,11 +69,13 @@ def _at_the_end(summary: Content, path: list[Any]) -> bool:
 
 def _truths(k: int, probe: Probe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
     """Yield the truths of probe k, each with its place in the case and in the summary."""
-    truth, path = probe.truth, ["errors", probe.name]
+    truth: AnyTruth | None = probe.truth
+    path: list[Any] = ["errors", probe.name]
     place: list[Any] = ["probes", k, "truth"]
     if truth is not None and not isinstance(truth, Peaks):
         yield truth, place, [*path]
-    for n, other in enumerate(truth.others if isinstance(truth, (Truth, Profiles)) else ()):
+    others: Sequence[Truth | Profiles] = truth.others if isinstance(truth, (Truth, Profiles)) else ()
+    for n, other in enumerate(others):
         yield other, [*place, "others", n], [*path, "others", other.name]
 
 
@@ -102,9 +104,9 @@ def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
 def profiles(probes: Probes, summary: Content) -> CellTable:
     """Return the errors of arrays of gauges against each profile."""
     columns = (("time", ".4g"), ("relative_l2", ".3g"), ("mean", "+.2g"), ("rms", ".2g"))
-    rows = []
-    for k, probe in enumerate(probes):
-        for truth, _, path in _truths(k, probe) if isinstance(probe.truth, Profiles) else ():
+    rows: list[tuple[Cell, ...]] = []
+    for k, probe in ((k, probe) for k, probe in enumerate(probes) if isinstance(probe.truth, Profiles)):
+        for truth, _, path in _truths(k, probe):
             rows += [(Cell(probe.name), Cell(name_of(truth)),
                       *(number(summary, SUMMARY, [*path, "profiles", n, name], form) for name, form in columns))
                      for n in range(_count(summary, [*path, "profiles"]))]

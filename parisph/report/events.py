@@ -1,6 +1,6 @@
 """Tables of a report: greatest values, arrivals, and volumes that have passed lines."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from parisph.case.probes import Probe, class_of
@@ -41,12 +41,12 @@ def peaks(probes: Probes, summary: Content) -> CellTable:
         (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, remarks.get(name, ""))
                              for name, form in columns), Cell(name_of(probe.truth)))
         for probe in probes if probe.truth is not None
-        for path in (["errors", probe.name, "peaks", k] for k in range(len(bands_of(probe.truth))))
+        for path in (("errors", probe.name, "peaks", k) for k in range(len(bands_of(probe.truth))))
         for remarks in (_remarks(summary, path),)
     ))
 
 
-def _remarks(summary: Content, path: list[Any]) -> dict[str, str]:
+def _remarks(summary: Content, path: Sequence[str | int]) -> dict[str, str]:
     """Return {column: remark behind its number} of a peak."""
     mean = number(summary, SUMMARY, [*path, "mean"]).text
     said = {"short": ("found", f"(short: not resolved; {mean} over 5 ms)"),
@@ -77,7 +77,7 @@ def impacts(summary: Content) -> CellTable:
 
 def passed(summary: Content) -> CellTable:
     """Return the volumes that have passed the lines of probes: all together, and in each event."""
-    rows = []
+    rows: list[tuple[Cell, ...]] = []
     for name, found in (summary.get("passed") or {}).items():
         path = ["passed", name]
         rows.append((Cell(name), Cell("all"), Cell(""), Cell(""), number(summary, SUMMARY, [*path, "total"])))

@@ -34,12 +34,12 @@ class Choices(Model):
     """
 
     methods: tuple[str, ...] = ()
-    spacings: tuple[Positive, ...] = Field((), description="spacings, each greater than 0")
+    spacings: tuple[Positive, ...] = Field(default=(), description="spacings, each greater than 0")
     time_steps: tuple[Optional[Positive], ...] = Field(
-        (), description="time steps, each greater than 0, or None to adapt it")
+        default=(), description="time steps, each greater than 0, or None to adapt it")
     parameters: dict[str, Any] = Field(default_factory=dict, description="parameters of the case by name")
-    seeds: tuple[Whole, ...] = Field((), description="seeds, each a whole number of at least 0")
-    ranks: tuple[Count, ...] = Field((), description="numbers of ranks, each at least 1")
+    seeds: tuple[Whole, ...] = Field(default=(), description="seeds, each a whole number of at least 0")
+    ranks: tuple[Count, ...] = Field(default=(), description="numbers of ranks, each at least 1")
 
     @field_validator("methods", "spacings", "time_steps", "seeds", "ranks", mode="before")
     @classmethod
@@ -73,7 +73,7 @@ class Variant(Choices):
     label : name of its curve in tables and pictures; "" for one that says what differs
     """
 
-    label: str = Field("", max_length=60, description="name of the curve")
+    label: str = Field(default="", max_length=60, description="name of the curve")
 
 
 class Required(Model):
@@ -133,8 +133,8 @@ class Study(Choices):
     CaseError : with one line for each problem
     """
 
-    case: str = Field(min_length=1, description="path of the case file, relative to the study file")
-    title: str = Field("", max_length=200, description="one line for people")
+    case: str = Field(kw_only=True, min_length=1, description="path of the case file, relative to the study file")
+    title: str = Field(default="", max_length=200, description="one line for people")
     variants: tuple[Variant, ...] = ()
     errors: tuple[AnyMeasure, ...] = ()
     required: tuple[Required, ...] = ()
@@ -143,7 +143,7 @@ class Study(Choices):
         default_factory=dict,
         description="errors at which costs are compared, each greater than 0, by the name of a measure")
     histories: tuple[str, ...] = ()
-    time_limit: Optional[float] = Field(None, gt=0, description="longest time of a run on the clock [s]")
+    time_limit: Optional[float] = Field(default=None, gt=0, description="longest time of a run on the clock [s]")
     warm_up: bool = True
 
     @field_validator("variants", "errors", "required", "others", "histories", mode="before")

@@ -18,7 +18,7 @@ class TruthError(Model):
     norm : relative_l2 (of the wave alone if Truth.wave is set), paper (that of Z14), paper_2017 (that of Z17)
     """
 
-    kind: Literal["truth"] = "truth"
+    kind: Literal["truth"] = Field(default="truth", init=False)
     probe: str = Field(description="name of a probe with a truth")
     norm: Literal["relative_l2", "paper", "paper_2017"] = "relative_l2"
     name: Name = ""
@@ -34,7 +34,7 @@ class SeriesError(Model):
     norm : relative_l2, or z14, that of Z14
     """
 
-    kind: Literal["series"] = "series"
+    kind: Literal["series"] = Field(default="series", init=False)
     probe: str = Field(description="name of a probe")
     file: str = Field(min_length=1, description="path of the reference, relative to the study file")
     column: Optional[str] = None
@@ -42,9 +42,9 @@ class SeriesError(Model):
     value: Optional[str] = None
     offset: float = 0.0
     scale: float = 1.0
-    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the reference's time")
+    time_scale: float = Field(default=1.0, gt=0, description="seconds for one unit of the reference's time")
     shift: float = 0.0
-    best_shift: Optional[float] = Field(None, ge=0, description="largest shift of the run's time that is tried [s]")
+    best_shift: Optional[float] = Field(default=None, ge=0, description="largest shift in time that is tried [s]")
     rest: Optional[float] = None
     start: Optional[float] = None
     end: Optional[float] = None
@@ -59,7 +59,7 @@ class FinestError(Model):
     start, end : window of time [s], None for all of it
     """
 
-    kind: Literal["finest"] = "finest"
+    kind: Literal["finest"] = Field(default="finest", init=False)
     probe: str = Field(description="name of a probe")
     column: Optional[str] = None
     start: Optional[float] = None
@@ -74,7 +74,7 @@ class Quantity(Model):
     error : whether less of it is better: it is then drawn, and has a fitted order
     """
 
-    kind: Literal["quantity"] = "quantity"
+    kind: Literal["quantity"] = Field(default="quantity", init=False)
     entry: str = Field(min_length=1, description="entry of summary.json, with dots, such as energy_range.high")
     absolute: bool = False
     name: Name = ""
@@ -87,7 +87,7 @@ class Function(Model):
     error : as of Quantity
     """
 
-    kind: Literal["function"] = "function"
+    kind: Literal["function"] = Field(default="function", init=False)
     name: Name = Field(min_length=1, description="name of the measure")
     of: Callable[[Any], float] = Field(exclude=True, description="function of a run that returns a number")
     error: bool = True

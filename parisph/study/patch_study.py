@@ -110,21 +110,21 @@ class PatchStudy(Model):
     CaseError : with one line for each problem
     """
 
-    kind: Literal["patch"] = "patch"
+    kind: Literal["patch"] = Field(default="patch", init=False)
     fields: tuple[Union[str, AnalyticField], ...] = Field(description="names of fields, or AnalyticField(...)")
     sweeps: tuple[Sweep, ...] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
     laplacians: tuple[str, ...] = ()
     gradients: tuple[str, ...] = ()
     patches: tuple[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
-        ("interior",), description="what is measured")
-    seeds: tuple[Whole, ...] = Field((1, 2, 3), description="seeds, each a whole number of at least 0")
-    dim: int = Field(2, ge=2, le=3, description="number of dimensions")
-    margin: float = Field(0.2, ge=0, le=0.4, description="distance of the interior from the sides")
+        default=("interior",), description="what is measured")
+    seeds: tuple[Whole, ...] = Field(default=(1, 2, 3), description="seeds, each a whole number of at least 0")
+    dim: int = Field(default=2, ge=2, le=3, description="number of dimensions")
+    margin: float = Field(default=0.2, ge=0, le=0.4, description="distance of the interior from the sides")
     beyond: bool = True
-    wall_rows: tuple[str, ...] = Field(("sfdi",), description="names of wall rows")
+    wall_rows: tuple[str, ...] = Field(default=("sfdi",), description="names of wall rows")
     surface_gradients: tuple[str, ...] = ()
     histograms: tuple[Histogram, ...] = ()
-    title: str = Field("", max_length=200, description="one line for people")
+    title: str = Field(default="", max_length=200, description="one line for people")
 
     @field_validator("fields", "laplacians", "gradients", "patches", "sweeps", "seeds", "wall_rows",
                      "surface_gradients", "histograms", mode="before")

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.probes import singles
 from parisph.case.schema import Case
 from parisph.truth.recorded import Recorded, probe_records
@@ -18,7 +19,7 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
     return found
 
 
-def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:
+def first_passing(time: Floats, values: Floats, level: float) -> float | None:
     """Return the first time [s] at which a series reaches a level, from either side; None if never.
 
     time, values : (n,), straight between samples; values that are not finite are left out

@@ -1,11 +1,10 @@
 """Comparison of a probe with a reference series, for `parisph compare`. Not collective."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.reading import listed
@@ -30,11 +29,11 @@ class Comparison:
     """
 
     result: dict[str, Any]
-    found: tuple[np.ndarray, np.ndarray]
-    truth: tuple[np.ndarray, np.ndarray]
+    found: tuple[Floats, Floats]
+    truth: tuple[Floats, Floats]
 
     @property
-    def difference(self) -> tuple[np.ndarray, np.ndarray]:
+    def difference(self) -> tuple[Floats, Floats]:
         """Time (n,) [s] and run minus reference (n,), where they overlap."""
         at, ours, theirs = norms.on_reference(*self.found, *self.truth, self.result["shift"])
         return at, ours - theirs
@@ -65,7 +64,7 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
-    column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")],
+    column = _only(column, [name for name in found.dtype.names or () if name not in ("time", "step")],
                    f"{probe} has the columns", "--column")
     time, value = _columns(reference, columns_of(reference), time, value, column)
     t, truth = read_reference(reference, time, value, offset, scale, time_scale)
@@ -90,14 +89,14 @@ def text(result: Mapping[str, Any]) -> str:
             f"norm of Z14        {result['z14']:.4g}" + "".join(f"\nnote: {note}" for note in result.get("notes", ())))
 
 
-def _at_its_limit(shift, most):
+def _at_its_limit(shift: float, most: float | None) -> Iterator[str]:
     """Yield a note if the best shift is at the limit [s] of those that were tried."""
     if most and abs(shift) > EDGE * most:
         yield (f"the best shift is at its limit of {most:g} s: allow more with --best-shift, or see whether time, "
                "value, scale and offset of the reference are those of the run")
 
 
-def _far_apart(time, values, reference_time, reference, shift):
+def _far_apart(time: Floats, values: Floats, reference_time: Floats, reference: Floats, shift: float) -> Iterator[str]:
     """Yield a note if the means of run and reference differ by more than both vary."""
     at, ours, theirs = norms.on_reference(time, values, reference_time, reference, shift)
     apart, spread = ours.mean() - theirs.mean(), max(ours.std(), theirs.std())
@@ -106,21 +105,24 @@ def _far_apart(time, values, reference_time, reference, shift):
                f"quantity, unit or level meant? --offset {apart:.4g} adds the difference to the reference")
 
 
-def _check_numbers(**numbers):
+def _check_numbers(**numbers: float | None) -> None:
     """Raise CaseError for a number out of range."""
     for name, value in numbers.items():
+        if value is None:
+            continue
         limit = None
-        if value is not None and not abs(value) <= LARGEST:
+        if not abs(value) <= LARGEST:
             limit = f"a number of at most {LARGEST:g} in size"
         elif name == "time_scale" and value <= 0.0:
             limit = "greater than 0"
-        elif name == "best_shift" and value is not None and value < 0.0:
+        elif name == "best_shift" and value < 0.0:
             limit = "at least 0: it is how far the run is shifted either way"
         if limit:
             raise CaseError(f"{name} = {value:g}: must be {limit}")
 
 
-def _columns(reference, there, time, value, column):
+def _columns(reference: AnyPath, there: Sequence[str], time: str | None, value: str | None,
+             column: str) -> tuple[str, str]:
     """Return the reference's columns of time and of value. Raises CaseError if one is missing."""
     for name, option in ((time, "--time"), (value, "--value")):
         if name is not None and name not in there:
@@ -133,10 +135,10 @@ def _columns(reference, there, time, value, column):
     return time, value or (column if column in values else values[0])
 
 
-def _only(name, names, there, option):
-    if name in names:
-        return name
+def _only(name: str | None, names: Sequence[str], there: str, option: str) -> str:
     if name is not None:
+        if name in names:
+            return name
         raise CaseError(f"{there} {listed(names)}; there is no {shown(name)}: choose one with {option}")
     if len(names) != 1:
         raise CaseError(f"{there} {listed(names)}: choose one with {option}")

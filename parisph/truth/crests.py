@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import SURFACE
 from parisph.case.waves import SolitaryWave
 from parisph.truth import norms
@@ -16,7 +17,7 @@ REACH = 6.0    # depths on each side of the crest in which profiles are compared
 TOP = 0.5      # depths on each side of the highest particle to which a polynomial of fourth degree is fitted
 
 
-def surface_profile(arrays: Mapping[str, Any], depth: float) -> tuple[np.ndarray, np.ndarray]:
+def surface_profile(arrays: Mapping[str, Any], depth: float) -> tuple[Floats, Floats]:
     """Return x [m] and elevation [m] of the surface particles of a snapshot, (n,) each, sorted by x.
 
     arrays : of a snapshot, with x (n, 2) [m] and role (n,); depth : of still water above y = 0 [m]
@@ -26,7 +27,7 @@ def surface_profile(arrays: Mapping[str, Any], depth: float) -> tuple[np.ndarray
     return x[:, 0], x[:, 1] - depth
 
 
-def crest(x: np.ndarray, eta: np.ndarray, depth: float) -> tuple[float, float]:
+def crest(x: Floats, eta: Floats, depth: float) -> tuple[float, float]:
     """Return place and height [m] of the crest: the top of a polynomial fitted to the highest particles."""
     near = np.abs(x - x[np.argmax(eta)]) < TOP * depth
     fit = np.polynomial.Polynomial.fit(x[near], eta[near], 4)
@@ -35,18 +36,18 @@ def crest(x: np.ndarray, eta: np.ndarray, depth: float) -> tuple[float, float]:
     return float(fine[top]), float(fit(fine)[top])
 
 
-def profile_error(x: np.ndarray, eta: np.ndarray, wave: SolitaryWave) -> float:
+def profile_error(x: Floats, eta: Floats, wave: SolitaryWave) -> float:
     """Return the relative L2 error of a profile within REACH of its crest against a wave, crests aligned."""
     place, _ = crest(x, eta, wave.depth)
     near = np.abs(x - place) <= REACH * wave.depth
     return norms.relative_l2(eta[near], _centred(wave).elevation(x[near] - place, 0.0))
 
 
-def printed_error(x: np.ndarray, eta: np.ndarray, wave: SolitaryWave) -> float:
+def printed_error(x: Floats, eta: Floats, wave: SolitaryWave) -> float:
     """Return Z17's Err (Eq 35) of all surface particles against a wave, crests aligned."""
     place, _ = crest(x, eta, wave.depth)
     return norms.z17_elevation(eta, _centred(wave).elevation(x - place, 0.0))
 
 
-def _centred(wave):
+def _centred(wave: SolitaryWave) -> SolitaryWave:
     return wave.model_copy(update={"at": 0.0})

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Flags, Floats
 from parisph.base.errors import ParisphError
 from parisph.case.schema import Case
 from parisph.case.truths import intervals
@@ -37,7 +37,7 @@ class Peak(NamedTuple):
     short: bool
 
 
-def greatest(time: Floats, values: Floats, allowed: Floats | None = None, seldom: bool = False) -> list[Peak]:
+def greatest(time: Floats, values: Floats, allowed: Flags | None = None, seldom: bool = False) -> list[Peak]:
     """Return the Peak with the greatest value, followed by lower ones until one is not short.
 
     The mean of the pressure in time is straight between two values (watch.means): samples on that line do not count.
@@ -58,7 +58,7 @@ def greatest(time: Floats, values: Floats, allowed: Floats | None = None, seldom
         short = short and not seldom
         start = _crossing(time, values, max(first - 1, 0), first, half)
         end = _crossing(time, values, min(last + 1, len(time) - 1), last, half)
-        found.append(Peak(float(values[k]), float(time[k]), float(end - start), float(means[k]), short))
+        found.append(Peak(float(values[k]), float(time[k]), end - start, float(means[k]), short))
         if not short:
             break
         open_ = open_.copy()
@@ -115,24 +115,25 @@ def coarse(table: Any) -> bool:
     return bool(np.median(np.diff(table["time"])) > MEAN or np.median(np.diff(table["step"])) > FEW)
 
 
-def _allowed(truth: Any, time: Floats) -> Any:
+def _allowed(truth: Any, time: Floats) -> Flags | None:
     where = intervals(truth)
     return np.any([(time >= start) & (time <= end) for start, end in where], axis=0) if where else None
 
 
-def _bends(time, values):
+def _bends(time: Floats, values: Floats) -> Flags:
     """Return which samples (n,) are off the straight line between their neighbours, and both ends."""
     share = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], np.finfo(float).tiny)
     line = values[:-2] + share * (values[2:] - values[:-2])
     off = np.abs(values[1:-1] - line) > STRAIGHT * np.abs(values).max(initial=0.0)
-    return np.r_[True, off, True]
+    bends: Flags = np.r_[True, off, True]
+    return bends
 
 
-def _extent(values, bends, k):
+def _extent(values: Floats, bends: Flags, k: int) -> tuple[int, int, float, bool]:
     """Return the first and the last sample of a peak above half of its rise, that half, and whether it is short."""
     sides = values[max(k - AROUND, 0):k], values[k + 1:k + AROUND + 1]    # after an impact the pressure stays high
     around = max((float(np.median(side)) for side in sides if len(side)), default=0.0)
-    half = 0.5 * (values[k] + around)
+    half = 0.5 * (float(values[k]) + around)
     first = last = k
     while first > 0 and values[first - 1] >= half:
         first -= 1
@@ -143,7 +144,7 @@ def _extent(values, bends, k):
     return first, last, half, bool(short)
 
 
-def _crossing(time, values, below, above, half):
+def _crossing(time: Floats, values: Floats, below: int, above: int, half: float) -> float:
     """Return the time [s] at which the line between two samples is at half of a rise."""
     share = (half - values[below]) / (values[above] - values[below]) if values[above] != values[below] else 1.0
-    return time[below] + share * (time[above] - time[below])
+    return float(time[below] + share * (time[above] - time[below]))

@@ -6,10 +6,12 @@ collective. A series that cannot be evaluated raises ValueError.
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats
+
 MOST_SAMPLES = 10_000    # of a series that is sampled evenly
 
 
-def relative_l2(value: np.ndarray, truth: np.ndarray) -> float:
+def relative_l2(value: Floats, truth: Floats) -> float:
     """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
 
     Z14 uses it for pressures (Er_p, Sec. 3.1.2) and for elevations above the bed (Er_eta, Sec. 3.2.1).
@@ -17,7 +19,7 @@ def relative_l2(value: np.ndarray, truth: np.ndarray) -> float:
     return wave_relative_l2(value, truth, 0.0)
 
 
-def wave_relative_l2(value: np.ndarray, truth: np.ndarray, rest: float) -> float:
+def wave_relative_l2(value: Floats, truth: Floats, rest: float) -> float:
     """Return |value - truth| / |truth - rest|: the error relative to the wave itself.
 
     rest : level of the water at rest, in the unit of the series.
@@ -29,7 +31,7 @@ def wave_relative_l2(value: np.ndarray, truth: np.ndarray, rest: float) -> float
     return float(np.linalg.norm(value - truth) / size)
 
 
-def z17_elevation(elevation: np.ndarray, truth: np.ndarray) -> float:
+def z17_elevation(elevation: Floats, truth: Floats) -> float:
     """Return Z17's Err as printed (Eq 35): sqrt(sum (truth - elevation)^2) / sum(truth); (n,) each [m].
 
     It decreases as 1/sqrt(n) with the number of samples. Its denominator vanishes if the truth oscillates about zero
@@ -42,8 +44,8 @@ def z17_elevation(elevation: np.ndarray, truth: np.ndarray) -> float:
     return float(np.linalg.norm(value - truth) / abs(total))
 
 
-def on_reference(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, reference: np.ndarray,
-                 shift: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def on_reference(time: Floats, value: Floats, reference_time: Floats, reference: Floats,
+                 shift: float = 0.0) -> tuple[Floats, Floats, Floats]:
     """Return (t, value at t, reference at t), (k,) each, where the two series overlap.
 
     t are the times of the reference, or those of the run if the reference has fewer than two inside the run (such as a
@@ -73,7 +75,7 @@ def on_reference(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray
     return t, value[inside], np.interp(t, reference_time, reference)
 
 
-def best_shift(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, reference: np.ndarray,
+def best_shift(time: Floats, value: Floats, reference_time: Floats, reference: Floats,
                limit: float) -> float:
     """Return the shift [s] of the run's time, at most `limit` in either direction, with the least error.
 
@@ -88,8 +90,8 @@ def best_shift(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, 
                          f"to {limit:g} s")
     t, truth = reference_time[common], reference[common]
 
-    def error(shift):
-        return np.linalg.norm(np.interp(t, time + shift, value) - truth)
+    def error(shift: float) -> float:
+        return float(np.linalg.norm(np.interp(t, time + shift, value) - truth))
 
     centre, width = 0.0, limit
     for _ in range(3):
@@ -98,7 +100,7 @@ def best_shift(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, 
     return float(centre)
 
 
-def judge(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, reference: np.ndarray,
+def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats,
           rest: float | None = None, shift: float = 0.0) -> dict[str, float]:
     """Return the errors of a probe against its truth, for summary.json.
 
@@ -117,7 +119,7 @@ def judge(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, refer
     }
 
 
-def noise(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float], smooth: float = 0.05) -> float:
+def noise(time: Floats, pressure: Floats, window: tuple[float, float], smooth: float = 0.05) -> float:
     """Return std(p - its moving mean) / mean(p) over a window of time: the noise of a pressure trace.
 
     time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
@@ -134,16 +136,16 @@ def noise(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float], s
     return float(np.sqrt(_area(t, (rough - average) ** 2) / (t[-1] - t[0])) / mean)
 
 
-def impulse(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float]) -> float:
+def impulse(time: Floats, pressure: Floats, window: tuple[float, float]) -> float:
     """Return the integral of the pressure over a window (start, end) [s]: [Pa s].
 
     In the papers' units divide by rho g H sqrt(H/g).
     """
     t, p = cut(time, pressure, window)
-    return float(_area(t, p))
+    return _area(t, p)
 
 
-def cut(time: np.ndarray, value: np.ndarray, window: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+def cut(time: Floats, value: Floats, window: tuple[float, float]) -> tuple[Floats, Floats]:
     """Return the series (k,) inside a window (start, end) [s], with interpolated samples at its ends.
 
     Raises ValueError if the window is not inside the series.
@@ -157,7 +159,7 @@ def cut(time: np.ndarray, value: np.ndarray, window: tuple[float, float]) -> tup
     return t, np.interp(t, time, value)
 
 
-def evenly(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def evenly(time: Floats, value: Floats) -> tuple[Floats, Floats]:
     """Return a series (n,) at even times from its first to its last (m,), with about its median step [s]."""
     time, value = _series(time, value)
     count = min(round((time[-1] - time[0]) / float(np.median(np.diff(time)))), MOST_SAMPLES)
@@ -165,7 +167,7 @@ def evenly(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return t, np.interp(t, time, value)
 
 
-def moving_mean(time: np.ndarray, value: np.ndarray, width: float) -> np.ndarray:
+def moving_mean(time: Floats, value: Floats, width: float) -> Floats:
     """Return the mean (n,) of a series over a width [s] about each of its times, by integrals over time.
 
     At the ends of the series the mean is over what is there.
@@ -174,31 +176,34 @@ def moving_mean(time: np.ndarray, value: np.ndarray, width: float) -> np.ndarray
     return _moving_mean(time, value, width)
 
 
-def _within(time, other):
+def _within(time: Floats, other: Floats) -> Flags:
     """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
-    return (time >= other[0]) & (time <= other[-1])
+    inside: Flags = (time >= other[0]) & (time <= other[-1])
+    return inside
 
 
-def _moving_mean(t, p, width):
+def _moving_mean(t: Floats, p: Floats, width: float) -> Floats:
     low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
-    return (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
+    mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
+    return mean
 
 
-def _area(t, p):
+def _area(t: Floats, p: Floats) -> float:
     """Return the integral of the piecewise linear function (t, p)."""
-    return np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2
+    return float(np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2)
 
 
-def _integral(t, p, upto):
+def _integral(t: Floats, p: Floats, upto: Floats) -> Floats:
     """Return the integral of the piecewise linear function (t, p) from t[0] to each of `upto`."""
     whole = np.concatenate(([0.0], np.cumsum(np.diff(t) * (p[1:] + p[:-1]) / 2)))
     k = np.clip(np.searchsorted(t, upto, side="right") - 1, 0, len(t) - 2)
     part = upto - t[k]
     slope = (p[k + 1] - p[k]) / (t[k + 1] - t[k])
-    return whole[k] + part * (p[k] + slope * part / 2)
+    found: Floats = whole[k] + part * (p[k] + slope * part / 2)
+    return found
 
 
-def _pair(value, truth):
+def _pair(value: Floats, truth: Floats) -> tuple[Floats, Floats]:
     value, truth = np.asarray(value, dtype=float), np.asarray(truth, dtype=float)
     if value.shape != truth.shape or value.ndim != 1:
         raise ValueError(f"value and truth must be series of one length, got shapes {value.shape} and {truth.shape}")
@@ -207,7 +212,7 @@ def _pair(value, truth):
     return value, truth
 
 
-def _series(time, value):
+def _series(time: Floats, value: Floats) -> tuple[Floats, Floats]:
     time, value = _pair(time, value)
     if len(time) < 2 or np.any(np.diff(time) <= 0.0):
         raise ValueError("a series needs two samples or more, with times that increase")

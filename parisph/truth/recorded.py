@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import ParisphError
 from parisph.case.probes import ProbeArray, singles
 from parisph.case.schema import Case
@@ -17,7 +16,7 @@ class Recorded(Protocol):
     folder: Path
     probe_names: list[str]
 
-    def probe(self, name: str) -> np.ndarray:
+    def probe(self, name: str) -> Array:
         """Return the series of a probe, a structured array (samples,) with the columns `time`, `step` and its own."""
 
     def units(self, name: str) -> dict[str, str]:
@@ -33,13 +32,14 @@ class ProbeRecord(NamedTuple):
 
     name: str
     probe: Any
-    table: np.ndarray
+    table: Array
     columns: list[str]
     prefix: str
 
-    def values(self, column: str) -> np.ndarray:
+    def values(self, column: str) -> Floats:
         """Return a column (samples,). In an array, the column of a probe that has only one is named as the probe."""
-        return self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
+        values: Floats = self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
+        return values
 
 
 def probe_records(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[ProbeRecord]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def of_case(case: Case, run: Recorded) -> dict[str, Any] | None:
         return {"reason": str(problem)}
 
 
-def analysed(case: Case, run: Recorded, probes: Optional[Sequence[str]] = None, period: float | None = None,
+def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, period: float | None = None,
              depth: float | None = None, start: float | None = None, end: float | None = None) -> dict[str, Any]:
     """Return incident and reflected waves as {entry: value}.
 
@@ -120,28 +120,29 @@ def text(found: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _bands(frequencies, incident, reflected):
+def _bands(frequencies: Floats, incident: Floats, reflected: Floats) -> list[dict[str, float | None]]:
     least = ENOUGH * np.nanmax(incident)
     return [{"frequency": float(f), "incident": _known(a), "reflected": _known(b),
              "coefficient": float(np.sqrt(b / a)) if a >= least else None}
             for f, a, b in zip(frequencies, incident, reflected)]
 
 
-def _known(value):
+def _known(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
 def _makers(case: Case) -> list[tuple[Any, float]]:
     """Return (wave, x of what makes it [m]) of all wavemakers whose waves have a period."""
-    found = [(body.wave, body.place) for body in case.bodies if isinstance(body, (Piston, Flap))]
-    found += [(zone.wave, zone.end) for zone in case.absorb if isinstance(zone, Relaxation)]
+    found: list[tuple[Any, float]] = [(body.wave, body.place) for body in case.bodies
+                                      if isinstance(body, (Piston, Flap))]
+    found += [(zone.wave, zone.end) for zone in case.zones if isinstance(zone, Relaxation)]
     return [(wave, place) for wave, place in found if wave is not None and hasattr(wave, "period")]
 
 
 def _gauges(case: Case, depth: float) -> dict[str, Gauge]:
     """Return {name: gauge} outside zones, sorted by x, from the wavemaker to the first gauge in another depth [m]."""
     found = [(name, probe) for name, probe in surface_gauges(case.probes).items()
-             if not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
+             if not any(zone.start <= probe.at <= zone.end for zone in case.zones)]
     mesh = None if all(isinstance(body, (Tank, Piston, Flap)) for body in case.bodies) else build.scene_mesh(case)
     if found and mesh is not None:
         start = _makers(case)[0][1] if _makers(case) else -np.inf

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Array, Floats
 from parisph.case.waves.linear import wave_number
 
 SPREAD = 1e-3    # smallest ratio of the singular values of the equations; 0 for gauges whole half waves apart
@@ -84,7 +84,8 @@ class Spectra(NamedTuple):
     def heights(self) -> tuple[float, float]:
         """Significant heights 4 sqrt(m0) of both [m]."""
         width = self.frequencies[1] - self.frequencies[0]
-        return tuple(float(4.0 * np.sqrt(np.nansum(one) * width)) for one in (self.incident, self.reflected))
+        incident, reflected = (float(4.0 * np.sqrt(np.nansum(one) * width)) for one in (self.incident, self.reflected))
+        return incident, reflected
 
     @property
     def reflection(self) -> float:
@@ -131,11 +132,12 @@ def spectra(times: Floats, elevations: Floats, places: Sequence[float], depth: f
             both[:, n] = 0.5 * np.abs(found) ** 2
             left += float((np.abs(equations @ found - b[:, j]) ** 2).sum())
             whole += float((np.abs(b[:, j]) ** 2).sum())
-    edges = peak * np.linspace(*WITHIN, BANDS + 1)
+    edges = peak * np.linspace(WITHIN[0], WITHIN[1], BANDS + 1)
     number = np.clip(np.searchsorted(edges, frequencies[inside], side="right") - 1, 0, BANDS - 1)
     step = frequencies[1] - frequencies[0]
-    densities = np.array([[_mean(one[number == band]) / step for band in range(BANDS)] for one in both])
-    return Spectra(0.5 * (edges[:-1] + edges[1:]), *densities, float(np.sqrt(left / max(whole, np.finfo(float).tiny))))
+    incident, reflected = np.array([[_mean(one[number == band]) / step for band in range(BANDS)] for one in both])
+    residual = np.sqrt(left / max(whole, float(np.finfo(float).tiny)))
+    return Spectra(0.5 * (edges[:-1] + edges[1:]), incident, reflected, float(residual))
 
 
 def spread(places: Sequence[float] | Floats, k: float) -> float:
@@ -148,10 +150,10 @@ def spread(places: Sequence[float] | Floats, k: float) -> float:
     return float(np.sqrt(max(1.0 - alike, 0.0) / (1.0 + alike)))
 
 
-def _equations(x, k):
+def _equations(x: Floats, k: float) -> Array:
     return np.stack([np.exp(-1j * k * x), np.exp(1j * k * x)], axis=1)
 
 
-def _mean(values):
+def _mean(values: Floats) -> float:
     known = values[np.isfinite(values)]
-    return known.mean() if len(known) else np.nan
+    return float(known.mean()) if len(known) else np.nan

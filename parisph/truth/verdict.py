@@ -1,11 +1,14 @@
 """Errors of a run's probes against their truths: the `errors` of summary.json."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import ParisphError
 from parisph.case.probes import Probe, ProbeArray
+from parisph.case.profiles import Profiles
 from parisph.case.schema import Case
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.truth import impacts, norms, profiled
@@ -36,19 +39,20 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     return {probe.name: _tried(_error, probe, run) for probe in case.probes if probe.truth is not None}
 
 
-def series(probe: Probe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
+def series(probe: Probe, run: Recorded) -> tuple[Floats, Floats]:
     """Return the times (n,) [s] and values (n,) of a probe that are compared with its truth."""
     found, column = _recorded(probe, run)
     return found["time"], found[column]
 
 
-def _recorded(probe, run):
+def _recorded(probe: Probe, run: Recorded) -> tuple[Array, str]:
     """Return the table of a probe, and the column that is compared with its truth."""
     found = run.probe(probe.name)
-    return found, probe.judged or next(name for name in found.dtype.names if name not in ("time", "step"))
+    own = (name for name in found.dtype.names or () if name not in ("time", "step"))
+    return found, probe.judged or next(own)
 
 
-def compared_series(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+def compared_series(truth: Truth, time: Floats, values: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
     """Return the series of a run and of its truth, (times, values) each, as they are compared.
 
     Both are smoothed. The truth is cut to its window and sampled evenly: dense samples of an impact do not weigh more.
@@ -64,7 +68,7 @@ def compared_series(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple
     return (time, values), reference
 
 
-def _tried(judge, *about):
+def _tried(judge: Callable[..., dict[str, Any]], *about: Any) -> dict[str, Any]:
     """Return judge(*about), or why there is no error: the run is too short, or the file of the truth is missing."""
     try:
         return judge(*about)
@@ -72,8 +76,8 @@ def _tried(judge, *about):
         return {"relative_l2": None, "reason": str(problem)}
 
 
-def _error(probe, run):
-    truth = probe.truth
+def _error(probe: Probe, run: Recorded) -> dict[str, Any]:
+    truth: Any = probe.truth
     if isinstance(probe, ProbeArray):
         return _of_profiles(probe, run)
     table, column = _recorded(probe, run)
@@ -83,7 +87,7 @@ def _error(probe, run):
                 "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
     if isinstance(truth, WaveTruth):
         compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
-        return _judged((time, values), (compared, truth.series(probe.at, compared)), truth.level)
+        return _judged((time, values), (compared, truth.series(getattr(probe, "at"), compared)), truth.level)
     found = _against(truth, time, values)
     if truth.peaks:
         found["peaks"] = [_peak(band, time, values, seldom) for band in truth.peaks]
@@ -92,19 +96,20 @@ def _error(probe, run):
     return found
 
 
-def _of_profiles(probe, run):
+def _of_profiles(probe: ProbeArray, run: Recorded) -> dict[str, Any]:
     """Return the errors of an array. A run may end before all profiles of its truth, and after some of the others."""
-    found, *others = [_tried(profiled.errors, probe, one, run) for one in (probe.truth, *probe.truth.others)]
+    truth = cast(Profiles, probe.truth)
+    found, *others = [_tried(profiled.errors, probe, one, run) for one in (truth, *truth.others)]
     if others:
-        found["others"] = {one.name: error for one, error in zip(probe.truth.others, others)}
+        found["others"] = {one.name: error for one, error in zip(truth.others, others)}
     return found
 
 
-def _against(truth, time, values):
+def _against(truth: Truth, time: Floats, values: Floats) -> dict[str, Any]:
     return _judged(*compared_series(truth, time, values), truth.offset if truth.wave else None)
 
 
-def _judged(run, reference, level):
+def _judged(run: tuple[Floats, Floats], reference: tuple[Floats, Floats], level: float | None) -> dict[str, Any]:
     """Return the errors of two series. level : None, or that of a wave at rest"""
     found = norms.judge(*run, *reference, rest=level)
     result = {"relative_l2": found["relative_l2"], "paper": found["z14"], "points": found["samples"],
@@ -115,10 +120,12 @@ def _judged(run, reference, level):
     return result
 
 
-def _shifted(run, reference, level, error):
+def _shifted(run: tuple[Floats, Floats], reference: tuple[Floats, Floats], level: float | None,
+             error: float) -> dict[str, Any]:
     """Return the best shift and its error; no shift if the loss of samples at the ends makes it worse."""
     try:
-        limit = SOUGHT * (min(run[0][-1], reference[0][-1]) - max(run[0][0], reference[0][0]))
+        ours, theirs = run[0], reference[0]
+        limit = SOUGHT * (min(ours[-1], theirs[-1]) - max(ours[0], theirs[0]))
         shift = norms.best_shift(*run, *reference, limit)
         shifted = norms.judge(*run, *reference, level, shift)["relative_l2"]
         return {"best_shift": shift if shifted < error else 0.0, "shifted_l2": min(shifted, error),
@@ -127,7 +134,7 @@ def _shifted(run, reference, level, error):
         return {"best_shift": None, "shifted_l2": None, "shift_sought": None}
 
 
-def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray, seldom: bool) -> dict[str, float | None]:
+def _peak(band: PeakBand, time: Floats, values: Floats, seldom: bool) -> dict[str, float | None]:
     """Return a band and the greatest value of the series in its interval; None if the run ends before it does.
 
     seldom : as of impacts.greatest
@@ -136,7 +143,7 @@ def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray, seldom: bool) ->
                                         "short": None, "mean": None}
     if band.smooth is not None:
         values = norms.moving_mean(time, values, band.smooth)
-    inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
+    inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else np.array([], int)
     if len(inside):
         k = inside[np.argmax(values[inside])]
         # the last pressure of a run is written twice; a level value is not one that rises

@@ -7,7 +7,8 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import gradient, rankine, walls
-from parisph.kernels.near import SPLINE, SPLINE_SLOPE
+from parisph.kernels.circle import Circle
+from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
 from parisph.methods.lengths import CIRCLE, MIXED, MLS, SPH, WALL
 from tests.manufactured import orders
 from tests.pools import Rows, block, nowhere, tank
@@ -57,11 +58,10 @@ def gradient_errors(name, jitter, where="inside"):
         f, exact = exponential(pool.x)
         out, sound = np.empty_like(pool.x), True
         if name == "symmetric":
-            gradient.symmetric_gradient(out, f, pool.x, pool.role, SPH * s, s * s, *pool.csr)
+            gradient.symmetric_gradient(out, pool.cloud, f, SPH * s, s * s)
         else:
             power, radius, floor = LEAST_SQUARES[name]
-            gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, radius * s, power, floor,
-                                            *pool.csr)
+            gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, Form(radius * s, power, floor))
             if jitter > 1.0:    # below the floor the slope is damped: no order
                 sound = pool.quality(radius * s, max(power, 0)) >= floor
         chosen = (middle(pool.x) if where == "inside" else ~pool.far_inside(1)) & (pool.role == INNER) & sound
@@ -112,10 +112,9 @@ def wall_errors(kind, jitter):
         s = 1.0 / cells
         pool = tank((cells, cells), lid=True, jitter=jitter, spacing=s)
         rows = Rows(pool)
-        arguments = (*rows.matrix, pool.x, pool.role, pool.normal, WALL * s, *pool.csr)
-        walls.sfdi_rows(*arguments)
+        walls.sfdi_rows(rows.matrix, pool.cloud, WALL * s)
         if kind == "harmonic":
-            walls.harmonic_rows(*arguments[:-3], np.inf, *arguments[-3:])
+            walls.harmonic_rows(rows.matrix, pool.cloud, WALL * s, np.inf)
         f, grad = harmonic_pressure(pool.x)
         wet = pool.role == WET
         error = rows.applied(f)[wet] / -rows.measure[wet] - (pool.normal * grad).sum(axis=1)[wet]
@@ -144,9 +143,9 @@ def surface_errors(jitter, harmonic):
         pool = tank((cells, cells), jitter=jitter, spacing=s)
         f, exact = harmonic_pressure(pool.x)
         out = np.empty_like(pool.x)
-        gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, MIXED * s, 0, 0.05, *pool.csr)
+        gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, Form(MIXED * s, 0, 0.05))
         if harmonic:
-            gradient.harmonic_gradient(out, f, pool.x, pool.role, WALL * s, np.inf, *pool.csr)
+            gradient.harmonic_gradient(out, pool.cloud, f, WALL * s, np.inf)
         surface = pool.role == SURFACE
         found.append(rms(out[surface] - exact[surface]) / rms(exact[surface]))
     return np.array(found)
@@ -171,7 +170,7 @@ def test_order_of_the_flux_divergence(jitter, order):
         u = np.stack([np.sin(3.0 * pool.x[:, 0] + pool.x[:, 1]), np.cos(pool.x[:, 0] * 2.0 - pool.x[:, 1])], axis=1)
         exact = 3.0 * np.cos(3.0 * pool.x[:, 0] + pool.x[:, 1]) + np.sin(pool.x[:, 0] * 2.0 - pool.x[:, 1])
         rows = Rows(pool)
-        rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, u, pool.x, pool.role, rankine.directions(2),
-                             CIRCLE * s, MLS * s, True, *pool.csr)
+        rankine.rankine_rows(rows.matrix, rows.flux, pool.cloud, u,
+                             Circle(rankine.directions(2), CIRCLE * s, MLS * s), True)
         found.append(rms((rows.div - exact)[middle(pool.x)]))
     assert rate(found) >= order

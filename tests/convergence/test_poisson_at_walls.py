@@ -55,13 +55,12 @@ def error(name, spacing, wall_rows, field, jitter=0.4):
     flow.rows.fill(np.zeros_like(p.u_all), flow.cloud, flow.cells)
     right = flow.rows.right_hand_side(target)
     if wall_rows == "curved":
-        rows, cloud = flow.rows.rows, flow.rows.cloud
-        curvature.add_at_walls(right, field(*p.x.T)[2], np.empty((0, 2)), rows.count, rows.columns, rows.values,
-                               cloud.x, cloud.role, cloud.indptr, cloud.axes)
+        bending = curvature.Bending(field(*p.x.T)[2], np.empty((0, 2)))
+        curvature.add_at_walls(right, flow.rows.rows, flow.rows.cloud, bending)
     solved = (p.role == INNER) | (p.role == WET)
     right[~solved] = 0.0
-    flow.rows.add_surface_values(right, value, p.role_all)
-    found, _ = flow.solver.solve(*flow.rows.csr(p.role_all, flow.domain.global_rows)[:3], right, None, renumbered=True)
+    flow.rows.add_surface_values(right, value)
+    found, _ = flow.solver.solve(*flow.rows.csr(flow.domain.global_rows)[:3], right, None, renumbered=True)
     off = (found - value)[solved]
     s.destroy()
     return np.sqrt(np.mean(off**2)) / np.ptp(value[solved])

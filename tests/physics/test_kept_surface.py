@@ -69,9 +69,9 @@ def test_harmonic_terms_have_a_lower_limit_where_the_surface_keeps_its_particles
     """The tip of a tongue needs them: with the limit of gentle flow, P2 of the dam break is off by .12 to .21."""
     used, full = [], gradient.harmonic_gradient
 
-    def watched(out, f, x, role, radius, limit, *lists):
+    def watched(out, cloud, f, radius, limit):
         used.append(limit)
-        full(out, f, x, role, radius, limit, *lists)
+        full(out, cloud, f, radius, limit)
     monkeypatch.setattr(gradient, "harmonic_gradient", watched)
     s = Simulation(scene("hydrostatic", {"surface_rule": rule}, spacing=S, preset="violent", end_time=1.0),
                    MPI.COMM_SELF)

@@ -15,7 +15,8 @@ import parisph
 from parisph.case import bodies, motion, schema
 from parisph.case.model import Model
 
-OFFERED = {name: getattr(schema, name, None) or getattr(parisph, name) for name in {*schema.__all__, *parisph.__all__}}
+OFFERED = {name: getattr(schema, name, None) or getattr(parisph, name)
+           for name in sorted({*schema.__all__, *parisph.__all__})}
 CLASSES = {name: value for name, value in OFFERED.items() if isinstance(value, type) and issubclass(value, Model)}
 CLASSES |= {value.__name__: value for value in (bodies.Profile, bodies.Obstacle, bodies.Plate, bodies.StillWater,
                                                motion.PistonStroke, motion.FlapStroke)}

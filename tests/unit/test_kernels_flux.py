@@ -5,6 +5,8 @@ import pytest
 
 from parisph.base.fields import DRY, INNER, WALL
 from parisph.kernels import flux, gradient, rankine
+from parisph.kernels.circle import Circle
+from parisph.kernels.near import Form
 from tests.pools import Rows, block, free, nowhere, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -12,24 +14,25 @@ jitters = pytest.mark.parametrize("jitter", [0.0, 0.8, 1.2])
 CIRCLE, MLS = 0.5, 2.1
 
 
+def circle(pool):
+    return Circle(rankine.directions(pool.dim), CIRCLE * pool.spacing, MLS * pool.spacing)
+
+
 def of_the_circle(pool, u):
-    rows, s = Rows(pool), pool.spacing
-    flux.flux_rows(rows.count, rows.columns, rows.flux, rows.div, u, pool.x, pool.role,
-                   rankine.directions(pool.dim), CIRCLE * s, MLS * s, *pool.csr)
+    rows = Rows(pool)
+    flux.flux_rows(rows.flux, pool.cloud, u, circle(pool))
     return rows
 
 
 def with_pressure(pool, u, normalised):
-    rows, s = Rows(pool), pool.spacing
-    rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, u, pool.x, pool.role, rankine.directions(pool.dim),
-                         CIRCLE * s, MLS * s, normalised, *pool.csr)
+    rows = Rows(pool)
+    rankine.rankine_rows(rows.matrix, rows.flux, pool.cloud, u, circle(pool), normalised)
     return rows
 
 
 def nodal(pool, u, power=2, floor=0.05):
     rows = Rows(pool)
-    flux.least_squares_flux(rows.count, rows.columns, rows.flux, rows.div, u, pool.x, pool.role,
-                            MLS * pool.spacing, power, floor, *pool.csr)
+    flux.least_squares_flux(rows.flux, pool.cloud, u, Form(MLS * pool.spacing, power, floor))
     return rows
 
 
@@ -54,7 +57,7 @@ def dense(rows, i):
     """Return the flux of one stencil over all particles, (n, dim)."""
     own = slice(rows.pool.indptr[i], rows.pool.indptr[i] + rows.count[i])
     out = np.zeros((rows.pool.n, rows.pool.dim))
-    out[rows.columns[own]] = rows.flux[own]
+    out[rows.columns[own]] = rows.flux.flux[own]
     return out
 
 
@@ -87,10 +90,9 @@ def test_what_reads_the_rankine_stencils_reads_these(dim):
     exact = np.trace(slope @ slope), np.sqrt(2.0 * (slope**2).sum()), np.trace(slope)
     for rows in (of_the_circle(pool, np.zeros_like(u)), nodal(pool, np.zeros_like(u))):
         assert np.all(rows.div == 0.0)
-        stencils = u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes
         out = np.full((4, pool.n), np.nan)
-        rankine.divergence(out[0], *stencils)
-        rankine.gradient_invariants(*out[1:], *stencils)
+        rankine.divergence(out[0], rows.flux, pool.cloud, u)
+        rankine.gradient_invariants(rankine.Invariants(*out[1:]), rows.flux, pool.cloud, u)
         for found, value in zip(out, (exact[2], *exact), strict=True):
             np.testing.assert_allclose(found[deep], value, atol=1e-9)
 
@@ -102,8 +104,8 @@ def test_nodal_divergence_is_the_trace_of_the_least_squares_gradient(dim, power)
     u, trace = np.random.default_rng(7).normal(size=pool.x.shape), np.zeros(pool.n)
     for a in range(dim):
         out = np.empty_like(u)
-        gradient.least_squares_gradient(out, nowhere(out), np.ascontiguousarray(u[:, a]), pool.x, pool.role,
-                                        MLS * pool.spacing, power, 0.0, *pool.csr)
+        gradient.least_squares_gradient(out, nowhere(out), pool.cloud, np.ascontiguousarray(u[:, a]),
+                                        Form(MLS * pool.spacing, power, 0.0))
         trace += out[:, a]
     np.testing.assert_allclose(nodal(pool, u, power, 0.0).div, trace, atol=1e-10 / pool.spacing)
 
@@ -117,5 +119,5 @@ def test_stencils_without_support_are_zero(dim, of, shape):
     pool = free(index)
     assert np.all(pool.role == INNER)
     rows = of(pool, np.random.default_rng(0).normal(size=pool.x.shape))
-    assert np.all(rows.flux == 0.0) and np.all(rows.div == 0.0)
+    assert np.all(rows.flux.flux == 0.0) and np.all(rows.div == 0.0)
     assert np.all(rows.count <= np.diff(pool.indptr))

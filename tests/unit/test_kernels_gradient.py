@@ -6,6 +6,7 @@ import pytest
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WALL, WET
 from parisph.kernels import gradient
 from parisph.kernels.moments import second_moment
+from parisph.kernels.near import Form
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 from tests.pools import block, free, monomials, nowhere, tank
 
@@ -17,14 +18,14 @@ FLOOR = {0: 0.05, 2: 0.2}
 
 def least_squares(pool, f, power=2, floor=None):
     out = np.full((pool.n, pool.dim), np.nan)
-    gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, RADIUS[power] * pool.spacing, power,
-                                    FLOOR[power] if floor is None else floor, *pool.csr)
+    form = Form(RADIUS[power] * pool.spacing, power, FLOOR[power] if floor is None else floor)
+    gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, form)
     return out
 
 
 def symmetric(pool, p, h=1.8):
     out = np.full((pool.n, pool.dim), np.nan)
-    gradient.symmetric_gradient(out, p, pool.x, pool.role, h * pool.spacing, pool.spacing**pool.dim, *pool.csr)
+    gradient.symmetric_gradient(out, pool.cloud, p, h * pool.spacing, pool.spacing**pool.dim)
     return out
 
 
@@ -152,7 +153,7 @@ def test_one_neighbour_more_than_dimensions_is_enough(dim, power):
 def test_the_floor_sets_where_the_slope_across_is_damped(power):
     pool = free(np.stack(np.meshgrid(np.arange(8), [0, 0.35]), axis=-1).reshape(-1, 2))
     i, m = 3, np.empty((2, 2))
-    second_moment(m, i, pool.x, pool.role, (RADIUS[power] * pool.spacing) ** 2, power, *pool.csr)
+    second_moment(m, i, pool.cloud, (RADIUS[power] * pool.spacing) ** 2, power)
     measure = np.linalg.det(m) / (0.5 * np.trace(m)) ** 2
     f, grad, _ = monomials(pool.x, 1)[1]
     out = least_squares(pool, f, power, floor=0.999 * measure)
@@ -169,8 +170,8 @@ def test_the_floor_sets_where_the_slope_across_is_damped(power):
 def test_only_owned_rows_are_written():
     pool = block(2, 6)
     out = np.full((5, 2), np.nan)
-    gradient.least_squares_gradient(out, nowhere(out), pool.x[:, 0].copy(), pool.x, pool.role, 2.1 * pool.spacing, 2,
-                                    0.05, pool.indptr[:6], pool.indices, pool.axes)
+    gradient.least_squares_gradient(out, nowhere(out), pool.cloud._replace(indptr=pool.indptr[:6]),
+                                    pool.x[:, 0].copy(), Form(2.1 * pool.spacing, 2, 0.05))
     np.testing.assert_allclose(out, np.tile([1.0, 0.0], (5, 1)), atol=1e-12)
 
 
@@ -221,8 +222,7 @@ def test_symmetric_gradient_inside_a_lattice(dim):
 
 def moved_walls(pool, u, wall_u):
     u = u.copy()
-    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, wall_u, np.zeros_like(wall_u),
-                           2.6 * pool.spacing, *pool.csr)
+    gradient.wall_velocity(u, pool.cloud, wall_u, np.zeros_like(wall_u), 2.6 * pool.spacing)
     return u
 
 

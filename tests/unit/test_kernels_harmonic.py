@@ -15,7 +15,7 @@ def coefficients(pool, i, radius=2.6, most=np.inf):
     """Return (success, c (neighbours of i, dim))."""
     c, work, b = harmonic.scratch(pool.indptr, pool.axes)
     c[:] = np.nan
-    sound = harmonic.coefficients(c, i, pool.x, pool.role, radius * pool.spacing, most, work, b, *pool.csr)
+    sound = harmonic.coefficients(c, i, pool.cloud, radius * pool.spacing, most, work, b)
     return sound, c[: pool.indptr[i + 1] - pool.indptr[i]]
 
 
@@ -75,7 +75,7 @@ def slopes(d, normal):
     axes, none = tuple(range(d.shape[1])), np.zeros((1, 3 - d.shape[1]))
     b = np.full((15, len(d)), np.nan)
     for k in range(len(d)):
-        harmonic.fill_slopes(b, k, *np.append(d[k], none), *np.append(normal[k], none), axes)
+        harmonic.fill_slopes(b, k, tuple(np.append(d[k], none)), tuple(np.append(normal[k], none)), axes)
     n = harmonic.terms(3, axes)
     assert np.isnan(b[n:]).all() and np.isfinite(b[:n]).all()
     return b[:n]
@@ -162,7 +162,7 @@ def test_gradient_is_replaced_on_the_surface_only(dim):
     pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
     out = np.full((pool.n, dim), 7.0)
     f, grad = harmonic_quadratics(pool.x)[0]
-    gradient.harmonic_gradient(out, f, pool.x, pool.role, 2.6 * pool.spacing, np.inf, *pool.csr)
+    gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, np.inf)
     surface = pool.role == SURFACE
     np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
     assert np.all(out[~surface] == 7.0)
@@ -172,5 +172,5 @@ def test_gradient_of_a_surface_without_support_stays():
     pool = free([[0, 0], [1, 0], [2, 0]])
     pool.role[:] = SURFACE
     out = np.full((3, 2), 7.0)
-    gradient.harmonic_gradient(out, np.arange(3.0), pool.x, pool.role, 2.6 * pool.spacing, np.inf, *pool.csr)
+    gradient.harmonic_gradient(out, pool.cloud, np.arange(3.0), 2.6 * pool.spacing, np.inf)
     assert np.all(out == 7.0)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import SURFACE, WALL
+from parisph.kernels.harmonic import Slopes
 from parisph.kernels.harmonic_gradient import harmonic_gradient
 from tests.pools import block, free, harmonic_cubics, harmonic_quadratics, monomials, tank
 
@@ -22,8 +23,7 @@ def gradient(pool, f, grad, laplacian=None, most=np.inf, walls=True):
     out, known = np.full((pool.n, pool.dim), 7.0), (pool.kind == WALL) & (pool.corner == 0) & walls
     slope = np.where(known, (pool.normal * grad).sum(axis=1), np.nan)
     bent = np.empty(0) if laplacian is None else np.full(pool.n, float(laplacian))
-    found = harmonic_gradient(out, f, slope, known, bent, pool.x, pool.role, pool.normal, 2.6 * pool.spacing, most,
-                              *pool.csr)
+    found = harmonic_gradient(out, pool.cloud, f, Slopes(slope, known), bent, 2.6 * pool.spacing, most)
     np.testing.assert_array_equal(found, np.any(out != 7.0, axis=1))
     return out
 

@@ -6,6 +6,7 @@ import pytest
 from parisph.base.fields import BALLISTIC, DRY, INNER, SURFACE
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.interior import MOST, interior_cells
+from parisph.kernels.records import cloud_of
 from tests.pools import tank
 
 
@@ -14,7 +15,7 @@ def cells_of(x, role=None, away=0.0, reach=2.6, owned=None):
     owned = len(x) if owned is None else owned
     role = np.full(len(x), INNER, np.int8) if role is None else role
     indptr, indices = neighbour_lists(x, owned, reach)
-    return interior_cells(x, role, away, reach, indptr, indices)
+    return interior_cells(cloud_of(x, role, role, np.zeros_like(x), indptr, indices, 1.0), away, reach)
 
 
 def lattice(side, jitter, seed=0):

@@ -14,7 +14,7 @@ H = 1.8
 
 def filled(pool):
     rows = Rows(pool)
-    laplacian.isph_rows(*rows.matrix, pool.x, pool.role, H * pool.spacing, pool.spacing**pool.dim, *pool.csr)
+    laplacian.isph_rows(rows.matrix, pool.cloud, H * pool.spacing, pool.spacing**pool.dim)
     return rows
 
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from parisph.kernels import collisions, gradient, laplacian, pairs, rankine, shifting, solids, strain, surface, walls
+from parisph.kernels.circle import Circle
+from parisph.kernels.near import Form
 from tests.pools import Rows, nowhere, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -17,27 +19,26 @@ U = np.random.default_rng(1).normal(size=(2000, 3))
 
 def least_squares(pool):
     out = np.empty_like(pool.x)
-    gradient.least_squares_gradient(out, nowhere(out), P[: pool.n], pool.x, pool.role, 2.1 * S, 2, 0.2, *pool.csr)
+    gradient.least_squares_gradient(out, nowhere(out), pool.cloud, P[: pool.n], Form(2.1 * S, 2, 0.2))
     return out
 
 
 def harmonic(pool):
     out = np.zeros_like(pool.x)
-    gradient.harmonic_gradient(out, P[: pool.n], pool.x, pool.role, 2.6 * S, np.inf, *pool.csr)
+    gradient.harmonic_gradient(out, pool.cloud, P[: pool.n], 2.6 * S, np.inf)
     return out
 
 
 def symmetric(pool):
     out = np.empty_like(pool.x)
-    gradient.symmetric_gradient(out, P[: pool.n], pool.x, pool.role, 1.3 * S, S**pool.dim, *pool.csr)
+    gradient.symmetric_gradient(out, pool.cloud, P[: pool.n], 1.3 * S, S**pool.dim)
     return out
 
 
 def wall_velocity(pool):
     u = U[: pool.n, : pool.dim].copy()
     rest = np.zeros_like(u)
-    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, rest, rest, 2.6 * S,
-                           *pool.csr)
+    gradient.wall_velocity(u, pool.cloud, rest, rest, 2.6 * S)
     return u
 
 
@@ -102,17 +103,19 @@ def shifted(pool):
     return out
 
 
-def divergence(pool):
+def of_the_circle(pool, normalised=True):
     rows = Rows(pool)
-    rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, U[: pool.n, : pool.dim].copy(), pool.x, pool.role,
-                         rankine.directions(pool.dim), 0.5 * S, 2.1 * S, True, *pool.csr)
-    return rows.div
+    rankine.rankine_rows(rows.matrix, rows.flux, pool.cloud, U[: pool.n, : pool.dim].copy(),
+                         Circle(rankine.directions(pool.dim), 0.5 * S, 2.1 * S), normalised)
+    return rows
+
+
+def divergence(pool):
+    return of_the_circle(pool).div
 
 
 def rankine_rows(pool, normalised=True):
-    rows = Rows(pool)
-    rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, U[: pool.n, : pool.dim].copy(), pool.x, pool.role,
-                         rankine.directions(pool.dim), 0.5 * S, 2.1 * S, normalised, *pool.csr)
+    rows = of_the_circle(pool, normalised)
     return np.stack([rows.applied(P[: pool.n]), rows.measure])
 
 
@@ -122,21 +125,20 @@ def printed_rows(pool):
 
 def sph_rows(pool):
     rows = Rows(pool)
-    laplacian.isph_rows(*rows.matrix, pool.x, pool.role, 1.3 * S, S**pool.dim, *pool.csr)
+    laplacian.isph_rows(rows.matrix, pool.cloud, 1.3 * S, S**pool.dim)
     return np.stack([rows.applied(P[: pool.n]), rows.measure])
 
 
 def wall_rows(pool):
     rows = Rows(pool)
-    walls.sfdi_rows(*rows.matrix, pool.x, pool.role, pool.normal, 2.6 * S, *pool.csr)
+    walls.sfdi_rows(rows.matrix, pool.cloud, 2.6 * S)
     return np.stack([rows.applied(P[: pool.n]), rows.measure])
 
 
 def harmonic_wall_rows(pool):
     rows = Rows(pool)
-    arguments = (*rows.matrix, pool.x, pool.role, pool.normal, 2.6 * S, *pool.csr)
-    walls.sfdi_rows(*arguments)
-    walls.harmonic_rows(*arguments[:-3], np.inf, *arguments[-3:])
+    walls.sfdi_rows(rows.matrix, pool.cloud, 2.6 * S)
+    walls.harmonic_rows(rows.matrix, pool.cloud, 2.6 * S, np.inf)
     return np.stack([rows.applied(P[: pool.n]), rows.measure])
 
 

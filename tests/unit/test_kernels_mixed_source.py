@@ -5,6 +5,8 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import mixed_source
+from parisph.kernels.rankine import Invariants
+from parisph.kernels.records import cloud_of
 
 N = 4
 ROLE = np.array([INNER, INNER, INNER, SURFACE], np.int8)
@@ -17,8 +19,10 @@ def target(div=0.0, square=0.0, rate=0.0, before=0.0, force=0.0, dt=0.01, usual=
     div, square, rate, before, left = (np.broadcast_to(np.asarray(one, float), N).copy()
                                        for one in (div, square, rate, before, left))
     pull = np.tile([0.6 * force, -0.8 * force], (N + 1, 1))
-    mixed_source.mixed(out, *((expansion, left) if len(expansion) else (np.empty(0), np.empty(0))), div, square, rate,
-                       before, pull, ROLE, 1000.0, 0.1, dt, usual, zeta, strain, per_strain, time)
+    lists, none = np.zeros(N + 2, np.int32), np.zeros((N + 1, 2))
+    cloud = cloud_of(none, ROLE, ROLE, none, lists, lists[:0], 0.1)
+    mixed_source.mixed(out, np.asarray(expansion, float), cloud, div, left, Invariants(square, rate, before), pull,
+                       mixed_source.Weights(1000.0, dt, usual, zeta, strain, per_strain, time))
     return out * dt / 1000.0
 
 

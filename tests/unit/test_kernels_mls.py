@@ -21,8 +21,8 @@ kernel = numba.njit(error_model="numpy")
 
 
 @kernel
-def gathered(near, member, first, i, x, role, radius, indptr, indices, axes):
-    return beside.gather(near, member, first, i, x, role, radius, indptr, indices, axes)
+def gathered(near, member, first, i, cloud, radius):
+    return beside.gather(near, member, first, i, cloud, radius)
 
 
 @kernel
@@ -103,7 +103,7 @@ def test_gathered_neighbours_are_those_of_the_stencils(dim):
     pool.role[listed[[0, 3, -1]]] = DRY, CONTACT, DRY
     room = room_for(pool.indptr)
     near, member = np.full((dim, room), np.nan), np.full(room + 2, -1, np.int32)
-    n = gathered(near, member, 2, i, pool.x, pool.role, 2.0 * pool.spacing, *pool.csr)
+    n = gathered(near, member, 2, i, pool.cloud, 2.0 * pool.spacing)
     expected = np.delete(listed, [0, 3, len(listed) - 1])
     np.testing.assert_array_equal(member[2:2 + n], expected)
     np.testing.assert_allclose(near[:, :n].T, (pool.x[expected] - pool.x[i]) / (2.0 * pool.spacing), rtol=1e-13)

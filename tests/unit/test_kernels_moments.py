@@ -71,7 +71,7 @@ def test_second_moment(dim, power):
     pool.role[pool.at(*[2] * dim)] = DRY
     pool.role[pool.at(*[4] * dim)] = CONTACT
     m = np.empty((dim, dim))
-    found = moments.second_moment(m, i, pool.x, pool.role, radius**2, power, *pool.csr)
+    found = moments.second_moment(m, i, pool.cloud, radius**2, power)
     r = pool.x - pool.x[i]
     r2 = (r**2).sum(axis=1)
     near = (r2 > 0.0) & (r2 < radius**2) & (pool.role != DRY) & (pool.role != CONTACT)

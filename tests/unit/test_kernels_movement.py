@@ -6,6 +6,7 @@ import pytest
 from parisph.base.arrays import sizes
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import balance, movement, record, wetness
+from parisph.kernels.records import cloud_of
 
 KIND = np.array([FLUID, WALL, FLUID, WALL, FLUID], np.int8)
 
@@ -73,7 +74,8 @@ def test_fluid_is_accelerated_by_forces_and_pressure(dim):
 def test_wet_walls_balance_forces_and_their_own_acceleration(moved):
     role = np.array([INNER, WET, DRY], np.int8)
     target, normal, force = np.full(3, 7.0), np.tile([0.6, 0.8], (3, 1)), np.tile([1.0, -10.0], (4, 1))
-    balance.wall_targets(target, role, normal, force, moved, 1000.0)
+    lists = np.zeros(4, np.int32)
+    balance.wall_targets(target, cloud_of(normal, role, role, normal, lists, lists[:0], 1.0), force, moved, 1000.0)
     np.testing.assert_allclose(target, [7.0, 1000.0 * (0.6 - 8.0 - moved[1:2].sum()), 7.0])
     right = np.full(5, 7.0)
     balance.without_equation(right, np.array([INNER, WET, DRY, SURFACE, BALLISTIC], np.int8))

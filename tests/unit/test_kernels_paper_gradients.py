@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.fields import BALLISTIC
 from parisph.kernels import gradient
-from parisph.kernels.near import SPLINE, SPLINE_SLOPE
+from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from tests.pools import block, monomials, nowhere
 
@@ -21,14 +21,13 @@ def cloud(dim, jitter):
 
 def least_squares(pool, f, weight, radius=REACH):
     out = np.full((pool.n, pool.dim), np.nan)
-    gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, radius * pool.spacing, weight, 0.05,
-                                    *pool.csr)
+    gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, Form(radius * pool.spacing, weight, 0.05))
     return out
 
 
 def symmetric(pool, f):
     out = np.full((pool.n, pool.dim), np.nan)
-    gradient.symmetric_gradient(out, f, pool.x, pool.role, H * pool.spacing, pool.spacing**pool.dim, *pool.csr)
+    gradient.symmetric_gradient(out, pool.cloud, f, H * pool.spacing, pool.spacing**pool.dim)
     return out
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import BALLISTIC, WALL, WET
-from parisph.kernels.potential_fit import fit_potential
+from parisph.kernels.harmonic import Slopes
+from parisph.kernels.potential_fit import Potential, fit_potential
 from tests.pools import harmonic_cubics, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -12,15 +13,13 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def fit(pool, u):
     """Return beyond (n, dim) and gradient (n, dim, dim) of a velocity u (n, dim), known of walls across them."""
-    beyond, gradient = np.full((pool.n, pool.dim), np.nan), np.full((pool.n, pool.dim, pool.dim), np.nan)
-    square = np.full(pool.n, np.nan)
+    found = Potential(*(np.full((pool.n,) + (pool.dim,) * rank, np.nan) for rank in (1, 2, 0)))
     known = (pool.kind == WALL) & (pool.corner == 0)
     across = np.where(known, (pool.normal * u).sum(axis=1), np.nan)
     u = np.where(pool.fluid[:, None], u, np.nan)
-    fit_potential(beyond, gradient, square, u, pool.x, pool.kind, pool.role, known, pool.normal, across,
-                  2.6 * pool.spacing, *pool.csr)
-    np.testing.assert_allclose(square, np.einsum("iab,iba->i", gradient, gradient), rtol=1e-12)
-    return beyond, gradient
+    fit_potential(found, pool.cloud, u, Slopes(across, known), 2.6 * pool.spacing)
+    np.testing.assert_allclose(found.square, np.einsum("iab,iba->i", found.gradient, found.gradient), rtol=1e-12)
+    return found.beyond, found.gradient
 
 
 def jittered(dim):

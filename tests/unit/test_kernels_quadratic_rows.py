@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import DRY, INNER, SURFACE
 from parisph.kernels import fatehi, gfd, quadratic_circle, rankine, row
+from parisph.kernels.circle import Circle
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 from tests.pools import Rows, block, free, monomials
 
@@ -16,12 +17,12 @@ H, RADIUS, CIRCLE = 1.8, 2.6, 1.0
 def filled(pool, name):
     rows, s = Rows(pool), pool.spacing
     if name == "gfd":
-        gfd.gfd_rows(*rows.matrix, pool.x, pool.role, RADIUS * s, *pool.csr)
+        gfd.gfd_rows(rows.matrix, pool.cloud, RADIUS * s)
     elif name == "circle":
-        quadratic_circle.quadratic_rankine_rows(*rows.matrix, pool.x, pool.role, rankine.directions(pool.dim),
-                                                CIRCLE * s, RADIUS * s, *pool.csr)
+        circle = Circle(rankine.directions(pool.dim), CIRCLE * s, RADIUS * s)
+        quadratic_circle.quadratic_rankine_rows(rows.matrix, pool.cloud, circle)
     else:
-        fatehi.fatehi_rows(*rows.matrix, pool.x, pool.role, H * s, *pool.csr)
+        fatehi.fatehi_rows(rows.matrix, pool.cloud, H * s)
     return rows
 
 
@@ -164,7 +165,7 @@ def test_rows_given_up_can_become_the_mean_of_their_neighbours():
     rows = filled(pool, "gfd")
     given_up, kept = (pool.role == INNER) & (rows.measure == 0.0), rows.measure > 0.0
     before = rows.applied(pool.x[:, 0])
-    row.mean_rows(*rows.matrix, pool.role, pool.indptr, pool.indices)
+    row.mean_rows(rows.matrix, pool.cloud)
     assert np.count_nonzero(given_up) > 0 and np.all(rows.count[:2] == 0)
     np.testing.assert_array_equal(rows.applied(pool.x[:, 0])[kept], before[kept])
     for i in np.flatnonzero(given_up):

@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import CONTACT, DRY, INNER, SURFACE, WALL
 from parisph.kernels import rankine
+from parisph.kernels.circle import Circle
 from parisph.kernels.smoothing import quartic_weight
 from tests.pools import Rows, block, free, monomials, tank
 
@@ -16,8 +17,9 @@ CIRCLE, MLS = 0.5, 2.1
 def filled(pool, u=None, normalised=True, count=None):
     rows = Rows(pool)
     s = pool.spacing
-    rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, np.zeros_like(pool.x) if u is None else u, pool.x,
-                         pool.role, rankine.directions(pool.dim, count), CIRCLE * s, MLS * s, normalised, *pool.csr)
+    circle = Circle(rankine.directions(pool.dim, count), CIRCLE * s, MLS * s)
+    rankine.rankine_rows(rows.matrix, rows.flux, pool.cloud, np.zeros_like(pool.x) if u is None else u, circle,
+                         normalised)
     return rows
 
 
@@ -147,7 +149,7 @@ def test_flux_divergence_of_linear_velocity_is_exact(dim, jitter):
     deep = pool.far_inside(2)
     np.testing.assert_allclose(rows.div[deep], np.trace(slope), atol=1e-10)
     again = np.full(pool.n, np.nan)
-    rankine.divergence(again, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
+    rankine.divergence(again, rows.flux, pool.cloud, u)
     np.testing.assert_allclose(again, rows.div, atol=1e-12)
     np.testing.assert_allclose(invariants(pool, u, rows)[2], rows.div, atol=1e-12)
 
@@ -155,7 +157,7 @@ def test_flux_divergence_of_linear_velocity_is_exact(dim, jitter):
 def invariants(pool, u, rows):
     """Return tr(G^2), sqrt(2 G:G) and tr(G) of a velocity."""
     out = np.full((3, pool.n), np.nan)
-    rankine.gradient_invariants(*out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
+    rankine.gradient_invariants(rankine.Invariants(*out), rows.flux, pool.cloud, u)
     return out
 
 
@@ -239,7 +241,7 @@ def test_row_without_support_is_the_mean_of_its_neighbours(dim, shape):
     assert np.all(rows.count == pool.n - 1) and np.all(rows.measure == 0.0) and np.all(rows.div == 0.0)
     for i in range(pool.n):
         np.testing.assert_allclose(rows.entries(i)[1], 1.0 / max(pool.n - 1, 1), rtol=1e-14)
-    assert np.isfinite(rows.flux[: len(pool.indices)]).all()
+    assert np.isfinite(rows.flux.flux[: len(pool.indices)]).all()
 
 
 @dims
@@ -249,6 +251,6 @@ def test_thin_jets_give_finite_rows(dim):
         for jitter in (0.0, 0.8):
             pool = free(cells, jitter)
             rows = filled(pool, np.random.default_rng(0).normal(size=pool.x.shape))
-            assert np.isfinite(rows.values).all() and np.isfinite(rows.flux).all() and np.isfinite(rows.div).all()
+            assert np.isfinite(rows.values).all() and np.isfinite(rows.flux.flux).all() and np.isfinite(rows.div).all()
             assert np.all(rows.measure >= 0.0)
             np.testing.assert_allclose(rows.sums(), 1.0, atol=1e-12)

@@ -40,7 +40,7 @@ def test_water_at_rest_is_an_exact_solution(dim, wall_rows, jitter):
     depth = pool.top[-1] * pool.spacing - pool.x[:, -1]
     gravity = -np.eye(dim)[-1]
     target = np.where(pool.role == WET, pool.normal @ gravity, 0.0)
-    indptr, columns, values, _ = rows.csr(pool.role, np.arange(pool.n, dtype=np.int32))
+    indptr, columns, values, _ = rows.csr(np.arange(pool.n, dtype=np.int32))
     right = rows.right_hand_side(target)
     unknown = np.isin(pool.role, (INNER, WET))
     right[~unknown] = 0.0
@@ -56,7 +56,7 @@ def test_known_pressures_become_identity_rows_and_leave_the_other_rows(dim):
     pool.role[lone] = BALLISTIC
     rows = rows_of(pool)
     numbers = np.random.default_rng(0).permutation(1000)[: pool.n].astype(np.int32)
-    indptr, columns, values, anchored = rows.csr(pool.role, numbers)
+    indptr, columns, values, anchored = rows.csr(numbers)
     assert indptr.dtype == columns.dtype == np.int32 and indptr[-1] == len(columns) == len(values)
     known = np.isin(pool.role, (SURFACE, CONTACT, BALLISTIC))
     local = np.full(1000, -1)
@@ -89,7 +89,7 @@ def test_a_matrix_is_looked_over_in_one_pass():
 @pytest.mark.parametrize("dim", [2, 3])
 def test_rows_come_in_the_order_of_their_columns(dim):
     pool = tank(cells(dim), jitter=0.4)
-    indptr, columns, _, _ = rows_of(pool).csr(pool.role, np.arange(100, 100 + pool.n, dtype=np.int32))
+    indptr, columns, _, _ = rows_of(pool).csr(np.arange(100, 100 + pool.n, dtype=np.int32))
     assert all(np.all(np.diff(columns[first:last]) > 0) for first, last in zip(indptr[:-1], indptr[1:]))
 
 
@@ -108,7 +108,7 @@ def test_methods_differ_in_the_rows_of_inner_particles_only():
         if METHODS[name].values["laplacian"] != "rankine":
             assert np.all(rows.rows.measure[: pool.n][inner] != first.rows.measure[: pool.n][inner])
         again = np.empty(pool.n)
-        rows.divergence(again, u, pool.role)
+        rows.divergence(again, u)
         np.testing.assert_allclose(again[inner], rows.div[: pool.n][inner], atol=1e-11)
 
 
@@ -118,7 +118,7 @@ def test_right_hand_side_is_minus_measure_times_target():
     target = np.random.default_rng(0).normal(size=pool.n)
     np.testing.assert_array_equal(rows.right_hand_side(target), -rows.rows.measure[: pool.n] * target)
     f = (pool.x**2).sum(axis=1)
-    indptr, columns, values, _ = rows.csr(pool.role, np.arange(pool.n, dtype=np.int32))
+    indptr, columns, values, _ = rows.csr(np.arange(pool.n, dtype=np.int32))
     inside = pool.far_inside(3)
     np.testing.assert_allclose((dense(pool, indptr, columns, values) @ f)[inside],
                                rows.right_hand_side(np.full(pool.n, 4.0))[inside], atol=1e-13)
@@ -135,7 +135,7 @@ def test_buffers_grow_and_are_used_again():
     rows_of(small, made=made)
     assert made.rows.columns is grown
     numbers = np.arange(25, dtype=np.int32)
-    for a, b in zip(made.csr(small.role, numbers), fresh.csr(small.role, numbers)):
+    for a, b in zip(made.csr(numbers), fresh.csr(numbers)):
         np.testing.assert_array_equal(a, b)
 
 
@@ -144,7 +144,7 @@ def test_no_particles():
     rows = rows_of_method("ISPH_R", 2, "harmonic", 0.5)
     none, kinds = np.empty((0, 2)), np.empty(0, np.int8)
     rows.fill(none, cloud_of(none, kinds, kinds, none, np.zeros(1, np.int32), np.empty(0, np.int32), 0.1), np.empty(0))
-    indptr, columns, values, anchored = rows.csr(np.empty(0, np.int8), np.empty(0, np.int32))
+    indptr, columns, values, anchored = rows.csr(np.empty(0, np.int32))
     assert indptr.tolist() == [0] and len(columns) == len(values) == len(anchored) == 0
     assert rows.right_hand_side(np.empty(0)).shape == (0,) and pool.n == 25
 
@@ -156,7 +156,7 @@ def test_with_an_offset_surface_particles_are_unknowns():
     rows = rows_of(pool, offset=0.5)
     rows.pin([pinned])
     numbers = np.arange(pool.n, dtype=np.int32)
-    indptr, columns, values, anchored = rows.csr(pool.role, numbers)
+    indptr, columns, values, anchored = rows.csr(numbers)
     matrix = dense(pool, indptr, columns, values)
     surface = pool.role == SURFACE
     assert np.all(anchored[surface]) and np.all(matrix.diagonal() == 1.0)

@@ -17,9 +17,9 @@ DEEP = 4    # layers within the support of the kernel
 def filled(pool, name):
     rows, s = Rows(pool), pool.spacing
     if name == "cisph1":
-        schwaiger.cisph1_rows(*rows.matrix, pool.x, pool.role, H * s, s**pool.dim, *pool.csr)
+        schwaiger.cisph1_rows(rows.matrix, pool.cloud, H * s, s**pool.dim)
     else:
-        schwaiger.cisph2_rows(*rows.matrix, pool.x, pool.role, H * s, *pool.csr)
+        schwaiger.cisph2_rows(rows.matrix, pool.cloud, H * s)
     return rows
 
 

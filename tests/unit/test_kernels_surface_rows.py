@@ -4,21 +4,21 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import INNER, SURFACE
+from parisph.kernels import records
 from parisph.kernels.surface_rows import surface_rows
 from parisph.pressure.rows import add_surface_values
-from tests.pools import block, tank
+from tests.pools import Rows, block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 def rows(pool, share=1.0, offset=0.5):
     """Return count, columns and values of the rows; share: of a cell that each particle stands for."""
-    n, s = pool.n, pool.spacing
-    count = np.full(n, -1, np.int32)
-    columns, values = np.zeros(len(pool.indices), np.int32), np.zeros(len(pool.indices))
+    s, found = pool.spacing, Rows(pool).matrix
+    found.count[:] = -1
     cells = share * np.where(pool.fluid, 1.0, 0.0)
-    surface_rows(count, columns, values, pool.cloud, cells, offset * s, 2.1 * s)
-    return count, columns, values
+    surface_rows(found, pool.cloud, cells, offset * s, 2.1 * s)
+    return found[:3]
 
 
 def outside(pool, i, found):
@@ -123,7 +123,7 @@ def test_the_same_pressure_all_along_the_surface_is_that_of_the_fluid(dim, offse
         count[i], columns[start:end], values[start:end] = end - start, pool.indices[start:end], 1.0 / (end - start)
     given = np.where(pool.role == SURFACE, 7.0, np.nan)
     right = np.zeros(pool.n)
-    add_surface_values(right, given, pool.role, count, columns, values, offset > 0.0, pool.indptr)
+    add_surface_values(right, records.Rows(count, columns, values, right), pool.cloud, given, offset > 0.0)
     for i in range(pool.n):
         own = slice(pool.indptr[i], pool.indptr[i] + count[i])
         unknown = np.ones(count[i], bool) if offset else pool.role[columns[own]] == INNER

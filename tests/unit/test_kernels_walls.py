@@ -15,10 +15,9 @@ RADIUS = 2.6
 def filled(pool, kind):
     """Return Rows with the wall rows of the kind; "harmonic" after "sfdi", as in a step."""
     rows = Rows(pool)
-    arguments = (*rows.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing, *pool.csr)
-    walls.sfdi_rows(*arguments)
+    walls.sfdi_rows(rows.matrix, pool.cloud, RADIUS * pool.spacing)
     if kind == "harmonic":
-        walls.harmonic_rows(*arguments[:-3], np.inf, *arguments[-3:])
+        walls.harmonic_rows(rows.matrix, pool.cloud, RADIUS * pool.spacing, np.inf)
     return rows
 
 

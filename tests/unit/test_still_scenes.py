@@ -12,6 +12,8 @@ from parisph.base.fields import CONTACT, DRY, INNER, WET
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import balance, rankine, walls
+from parisph.kernels.circle import Circle
+from parisph.kernels.records import Flux, Rows
 from parisph.kernels.solids import keep_off
 from parisph.methods import lengths
 from tests.wall_scenes import filled
@@ -36,6 +38,14 @@ def lowest_values(values, indptr, count):
     return np.array([values[first:first + k].min(initial=0.0) for first, k in zip(indptr, count)])
 
 
+def buffers(scene, role):
+    """Return empty Rows and the Cloud of a scene."""
+    cloud, _ = scene.records()
+    n, nnz = len(scene.x), len(cloud.indices)
+    rows = Rows(np.zeros(n, np.int32), np.zeros(nnz, np.int32), np.zeros(nnz), np.zeros(n))
+    return rows, cloud._replace(role=role)
+
+
 def error(scene, level):
     """Return the greatest error of the pressure over that at the bed, and how many wall rows lack a normal derivative.
 
@@ -46,18 +56,15 @@ def error(scene, level):
     node = np.arange(n) >= scene.n
     role[node] = np.select([scene.mesh.edge == CONVEX, above[node] < -0.5 * s, above[node] < 0.5 * s],
                            [DRY, WET, CONTACT], DRY)
-    indptr, indices = scene.lists()
-    count, columns = np.zeros(n, np.int32), np.zeros(len(indices), np.int32)
-    values, measure = np.zeros(len(indices)), np.zeros(n)
-    rankine.rankine_rows(count, columns, values, measure, np.zeros((len(indices), 2)), np.zeros(n), np.zeros((n, 2)),
-                         scene.x, role, rankine.directions(2), lengths.CIRCLE * s, lengths.MLS * s, True, indptr,
-                         indices, scene.axes)
-    walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices,
-                    scene.axes)
+    rows, cloud = buffers(scene, role)
+    (count, columns, values, measure), indptr = rows, cloud.indptr
+    flux = Flux(count, columns, np.zeros((len(columns), 2)), np.zeros(n))
+    circle = Circle(rankine.directions(2), lengths.CIRCLE * s, lengths.MLS * s)
+    rankine.rankine_rows(rows, flux, cloud, np.zeros((n, 2)), circle, True)
+    walls.sfdi_rows(rows, cloud, lengths.MLS * s)
     matrix, right = np.eye(n), np.where(role == WET, measure * scene.normal[:, 1], 0.0)
     before, lowest = right.copy(), lowest_values(values, indptr, count)
-    balance.add_linear_part_at_walls(right, np.tile([0.0, -1.0], (n, 1)), 1.0, count, columns, values, measure, scene.x,
-                                     role, scene.normal, indptr, scene.axes)
+    balance.add_linear_part_at_walls(right, rows, cloud, np.tile([0.0, -1.0], (n, 1)), 1.0)
     mended = (measure == 0.0) | (lowest < 1e-9 - walls.UNSOUND)
     np.testing.assert_array_equal(right[~mended], before[~mended], "a normal derivative needs no mending")
     for i in np.flatnonzero((role == INNER) | (role == WET)):
@@ -94,18 +101,14 @@ def test_means_in_the_tip_of_a_flat_beach_are_exact_for_still_water():
 def test_exact_wall_rows_stay_as_they_are():
     scene = filled(StillWater(0.8), SCENES["box"], S)
     n, s = len(scene.x), scene.spacing
-    indptr, indices = scene.lists()
-    count, columns = np.zeros(n, np.int32), np.zeros(len(indices), np.int32)
-    values, measure = np.zeros(len(indices)), np.zeros(n)
     role = np.where((np.arange(n) >= scene.n) & (scene.x[:, 1] < 0.7), WET, INNER).astype(scene.role.dtype)
-    walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices,
-                    scene.axes)
+    rows, cloud = buffers(scene, role)
+    walls.sfdi_rows(rows, cloud, lengths.MLS * s)
     right = np.random.default_rng(1).random(n)
     before = right.copy()
-    balance.add_linear_part_at_walls(right, np.tile([3.0, -9.81], (n, 1)), 1000.0, count, columns, values, measure,
-                                     scene.x, role, scene.normal, indptr, scene.axes)
-    lowest = lowest_values(values, indptr, count)
-    exact = (role == WET) & (measure > 0.0) & (lowest > 1e-9 - walls.UNSOUND)
+    balance.add_linear_part_at_walls(right, rows, cloud, np.tile([3.0, -9.81], (n, 1)), 1000.0)
+    lowest = lowest_values(rows.values, cloud.indptr, rows.count)
+    exact = (role == WET) & (rows.measure > 0.0) & (lowest > 1e-9 - walls.UNSOUND)
     assert np.count_nonzero(exact) > 50 and np.count_nonzero(role == WET) - np.count_nonzero(exact) < 10
     np.testing.assert_array_equal(right[exact | (role != WET)], before[exact | (role != WET)])
 

@@ -9,6 +9,7 @@ from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
 from parisph.geometry.mesh import motions_of, wall_mesh
 from parisph.kernels import density, gradient, surface, wetness
 from parisph.kernels.jit import axes_of
+from parisph.kernels.near import Form
 from parisph.kernels.records import cloud_of, no_walls
 from parisph.methods.boundary import Boundary
 from parisph.parallel.particles import Particles
@@ -119,11 +120,13 @@ def test_one_neighbour_and_a_wall_make_a_gradient():
     bed = np.array([[[-5.0 * S, 0.0], [5.0 * S, 0.0]]])
     role = np.array([BALLISTIC, BALLISTIC], np.int8)
     out, less = np.zeros((2, 2)), np.array([[0.0, 1.0]])
-    lists = lone(x, bed)
+    seen, elements, *lists = lone(x, bed)
+    cloud = cloud_of(x, np.full(2, FLUID, np.int8), role, np.zeros_like(x), *lists, S)
+    walls = no_walls(2, 2)._replace(corners=bed, indptr=seen, indices=elements)
 
-    def run(near_wall):
-        gradient.gradient_at_walls(out, nowhere(out), x @ slope, np.tile(slope + less[0], (2, 1)), less, x, role,
-                                   2.6 * S, 0, 0.05, near_wall, bed, *lists, axes_of(2))
+    def run(within):
+        gradient.gradient_at_walls(out, nowhere(out), cloud._replace(spacing=within / gradient.DATUM), walls, x @ slope,
+                                   np.tile(slope + less[0], (2, 1)), less, Form(2.6 * S, 0, 0.05))
     run(0.3 * S)
     assert not out.any() and (role == BALLISTIC).all()
     run(S)

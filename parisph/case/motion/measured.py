@@ -1,5 +1,6 @@
 """Measured motions: series of times and values, from a file or given as numbers."""
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Union
 
 import numpy as np
@@ -9,7 +10,7 @@ from parisph.base import paths, reading
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.motion.splines import cubic
 from parisph.case.values import LARGEST, SMALLEST
 
@@ -19,7 +20,7 @@ MANY = 2000  # times, from which on half a stretch is enough
 SEEN = 64    # values of a long series that its hash looks at
 
 
-def check_increasing(times: tuple[float, ...], values: tuple[float, ...], what: str) -> None:
+def check_increasing(times: Sequence[float], values: Sequence[float], what: str) -> None:
     """Raise ValueError unless there is a value for each time and times increase. what : the values are, in plural"""
     if len(times) != len(values):
         raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
@@ -61,10 +62,10 @@ class Series(Model):
     value: str = "x"
     scale: float = 1.0
     offset: float = 0.0
-    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
+    time_scale: float = Field(default=1.0, gt=0, description="seconds for one unit of the time column")
     rate: bool = False
-    times: Annotated[tuple[float, ...], Field(min_length=LEAST, description="increasing times [s], at least four")]
-    values: Annotated[tuple[float, ...], Field(min_length=LEAST, description="a value for each time")]
+    times: Annotated[Several[float], Field(min_length=LEAST, description="increasing times [s], at least four")] = ()
+    values: Annotated[Several[float], Field(min_length=LEAST, description="a value for each time")] = ()
 
     @model_validator(mode="before")
     @classmethod
@@ -108,7 +109,7 @@ class Series(Model):
         return top_rate_of(self.times, self.values, self.rate)
 
 
-def law_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool, t: float) -> tuple[float, float, float]:
+def law_of(times: Sequence[float], values: Sequence[float], rate: bool, t: float) -> tuple[float, float, float]:
     """Return value, rate and second derivative at t [s] of a motion through values, or with values as its rate."""
     curve = cubic(times, values)
     if not rate:
@@ -117,24 +118,24 @@ def law_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool, t: f
     return (moved, 0.0, 0.0) if t < times[0] or t > times[-1] else (moved, *curve.at(t)[:2])
 
 
-def values_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool, t: Floats) -> Floats:
+def values_of(times: Sequence[float], values: Sequence[float], rate: bool, t: Floats) -> Floats:
     """Return the values (n,) at t (n,) [s] of such a motion."""
     curve = cubic(times, values)
     return curve.integrals(t) if rate else curve.values(t)
 
 
-def hash_of(times: tuple[float, ...], values: tuple[float, ...]) -> int:
+def hash_of(times: Sequence[float], values: Sequence[float]) -> int:
     """Return a hash of a series that looks at SEEN of its values: caches ask for it often."""
     few = slice(None, None, max(1, len(times) // SEEN))
     return hash((len(times), times[few], values[few]))
 
 
-def top_rate_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool) -> float:
+def top_rate_of(times: Sequence[float], values: Sequence[float], rate: bool) -> float:
     """Return the greatest rate of such a motion, that of the straight lines between the times."""
     return float(np.max(np.abs(values if rate else np.diff(values) / np.diff(times))))
 
 
-def between_knots(times: tuple[float, ...], stop: float) -> Floats:
+def between_knots(times: Sequence[float], stop: float) -> Floats:
     """Return times (n,) [s] in order, from 0 to `stop`, several in each stretch between those of a series."""
     knots = np.unique(np.clip(np.concatenate([[0.0], times, [stop]]), 0.0, stop))
     parts = PARTS if len(knots) < MANY else 2

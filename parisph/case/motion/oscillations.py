@@ -1,12 +1,13 @@
 """Motions that tanks make: sway, heave and roll, harmonic or measured."""
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
+from parisph.case.model import Several
 from parisph.case.motion.measured import (
     Amount,
     Series,
@@ -23,9 +24,9 @@ from parisph.case.motion.splines import product, rise
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Frequency = Annotated[Optional[float], Field(gt=0, description="angular frequency [rad/s], or period [s]")]
-Period = Annotated[Optional[float], Field(gt=0, description="period [s], in place of frequency")]
-Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows to its amplitude")]
+Frequency = Annotated[float | None, Field(gt=0, description="angular frequency [rad/s], or period [s]")]
+Period = Annotated[float | None, Field(gt=0, description="period [s], in place of frequency")]
+Ramp = Annotated[float | None, Field(ge=0, description="time [s] in which the motion grows to its amplitude")]
 SAME = 1e-9    # of a frequency: that of a period, after rounding; a stored case may have both
 
 
@@ -61,7 +62,7 @@ class AtRest(Translation):
     (0.0, 0.0, 0.0)
     """
 
-    kind: Literal["at_rest"] = "at_rest"
+    kind: Literal["at_rest"] = Field(default="at_rest", init=False)
     direction: Direction = (1.0, 0.0)
 
     def law(self, t: float) -> tuple[float, float, float]:
@@ -73,10 +74,14 @@ class _Harmonic(Translation):
     """X = amplitude (1 - cos(frequency t)), from rest; with a ramp it grows to that."""
 
     if TYPE_CHECKING:    # see Translation
-        amplitude: float
-        frequency: Optional[float]
-        period: Optional[float]
-        ramp: Optional[float]
+        @property
+        def amplitude(self) -> float: ...
+        @property
+        def frequency(self) -> float | None: ...
+        @property
+        def period(self) -> float | None: ...
+        @property
+        def ramp(self) -> float | None: ...
 
     @model_validator(mode="after")
     def _one_frequency(self) -> "Self":
@@ -125,7 +130,7 @@ class Sway(_Harmonic):
     0.060 m
     """
 
-    kind: Literal["sway"] = "sway"
+    kind: Literal["sway"] = Field(default="sway", init=False)
     amplitude: float = Field(description="amplitude a0 of X = a0 (1 - cos(frequency t)) [m]")
     frequency: Frequency = None
     direction: Direction = (1.0, 0.0)
@@ -144,7 +149,7 @@ class Heave(_Harmonic):
     0.060 m
     """
 
-    kind: Literal["heave"] = "heave"
+    kind: Literal["heave"] = Field(default="heave", init=False)
     amplitude: float = Field(description="amplitude a0 of Y = a0 (1 - cos(frequency t)) [m]")
     frequency: Frequency = None
     direction: Direction = (0.0, 1.0)
@@ -167,7 +172,7 @@ class Roll(Rotation):
     >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
     """
 
-    kind: Literal["roll"] = "roll"
+    kind: Literal["roll"] = Field(default="roll", init=False)
     amplitude: Amount = Field(description="amplitude [rad], or a Series")
     frequency: Frequency = None
     centre: Centre = (0.0, 0.0)
@@ -248,7 +253,7 @@ class Moved(Translation):
     0.100 m
     """
 
-    kind: Literal["moved"] = "moved"
+    kind: Literal["moved"] = Field(default="moved", init=False)
     series: Series
     direction: Direction = (1.0, 0.0)
 
@@ -282,11 +287,11 @@ class Tabulated(Translation):
     0.100 m
     """
 
-    kind: Literal["tabulated"] = "tabulated"
-    times: Annotated[tuple[float, ...], Field(min_length=4, description="increasing times [s], at least four")]
-    values: Annotated[tuple[float, ...], Field(min_length=4, description="a displacement [m] or velocity for each")]
+    kind: Literal["tabulated"] = Field(default="tabulated", init=False)
+    times: Annotated[Several[float], Field(min_length=4, description="increasing times [s], at least four")]
+    values: Annotated[Several[float], Field(min_length=4, description="a displacement [m] or velocity for each")]
     direction: Direction = (1.0, 0.0)
-    rate: bool = Field(False, description="whether the values are velocities [m/s]")
+    rate: bool = Field(default=False, description="whether the values are velocities [m/s]")
 
     @model_validator(mode="after")
     def _series_is_sound(self) -> "Tabulated":

@@ -164,7 +164,8 @@ class Rotation(Motion):
     """A rotation in the plane about a fixed `centre`, a field of every kind of it."""
 
     if TYPE_CHECKING:    # see Translation
-        centre: tuple[float, ...]
+        @property
+        def centre(self) -> tuple[float, ...]: ...
 
     def placed_by(self, x: Floats, value: float) -> Floats:
         """See Motion."""

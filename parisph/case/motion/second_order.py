@@ -39,7 +39,7 @@ def second_harmonic(height: float, omega: float, depth: float, shape: Callable[[
     """
     nu, free = omega * omega / g, float(wave_number(2.0 * omega, depth, g))
     k = _wave_numbers(omega, depth, g)
-    points, weights = np.polynomial.legendre.leggauss(POINTS)    # type: ignore[no-untyped-call]
+    points, weights = np.polynomial.legendre.leggauss(POINTS)
     y, weights = low + 0.5 * (depth - low) * (points + 1.0), 0.5 * (depth - low) * weights
     f, (cosh, sinh) = shape(y), _over_top(k, y, depth)
     test, slope = (values[0].real for values in _over_top(np.array([free + 0j]), y, depth))

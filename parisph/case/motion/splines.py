@@ -5,6 +5,7 @@ first two derivatives are known.
 """
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from parisph.base.arrays import Floats
 
 Law = tuple[float, float, float]    # value, rate and second derivative
-Values = tuple[float, ...]
+Values = Sequence[float]
 
 
 class CubicSpline:

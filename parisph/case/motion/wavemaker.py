@@ -9,7 +9,7 @@ wave mechanics, Sec. 6.2. Regular waves get a second harmonic, see second_order.
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Annotated, Literal, Optional, Union, cast
+from typing import Annotated, Literal, Union, cast
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -30,7 +30,7 @@ MANY = 1000     # periods of the peak of irregular waves that show how far their
 KNOTS = 600    # of the motion that makes a solitary wave
 LONGEST = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3, above which a wave of second order has a second crest
 
-Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows; default one period")]
+Ramp = Annotated[float | None, Field(ge=0, description="time [s] in which the motion grows; default one period")]
 WaveTrain = Union[Airy, Stokes, StreamFunction, Jonswap]
 Profile = tuple[Callable[[Floats], Floats], float]    # displacement at y above the bed, 1 at the surface; lowest y
 
@@ -157,7 +157,7 @@ class PistonStroke(Translation):
     1.71 m/s
     """
 
-    kind: Literal["piston_stroke"] = "piston_stroke"
+    kind: Literal["piston_stroke"] = Field(default="piston_stroke", init=False)
     wave: Annotated[
         Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")
     ]
@@ -250,7 +250,7 @@ class FlapStroke(Rotation):
     0.000 rad
     """
 
-    kind: Literal["flap_stroke"] = "flap_stroke"
+    kind: Literal["flap_stroke"] = Field(default="flap_stroke", init=False)
     wave: Annotated[Union[Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
     centre: Centre = (0.0, 0.0)
     bed: Annotated[float, Field(description="height y of the bed [m]")] = 0.0

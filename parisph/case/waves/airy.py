@@ -42,7 +42,7 @@ class Airy(Travelling):
     2.05 m, -0.025 m
     """
 
-    kind: Literal["airy"] = "airy"
+    kind: Literal["airy"] = Field(default="airy", init=False)
     height: Height
     period: Period
     depth: Depth
@@ -99,7 +99,7 @@ class StandingWave(WaveField):
     0.020 m, 5.54 rad/s
     """
 
-    kind: Literal["standing"] = "standing"
+    kind: Literal["standing"] = Field(default="standing", init=False)
     amplitude: Annotated[float, Field(gt=0, description="amplitude of the elevation [m]")]
     length: Annotated[float, Field(gt=0, description="length of the wave [m], twice that of a tank with one node")]
     depth: Depth

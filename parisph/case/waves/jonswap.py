@@ -77,7 +77,7 @@ class Jonswap(WaveField):
     (3,)
     """
 
-    kind: Literal["jonswap"] = "jonswap"
+    kind: Literal["jonswap"] = Field(default="jonswap", init=False)
     height: Annotated[float, Field(gt=0, description="significant height [m]")]
     period: Annotated[float, Field(gt=0, description="period of the peak of the spectrum [s]")]
     depth: Depth

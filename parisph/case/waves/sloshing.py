@@ -76,7 +76,7 @@ class Sloshing(WaveField):
     0.000 m
     """
 
-    kind: Literal["sloshing"] = "sloshing"
+    kind: Literal["sloshing"] = Field(default="sloshing", init=False)
     length: Annotated[float, Field(gt=0, description="length of the tank [m]")]
     depth: Depth
     amplitude: Annotated[float, Field(description="amplitude of the sway [m]")]

@@ -82,7 +82,7 @@ class SolitaryWave(Travelling):
     1.714 m/s, 0.050 m
     """
 
-    kind: Literal["solitary"] = "solitary"
+    kind: Literal["solitary"] = Field(default="solitary", init=False)
     height: Annotated[float, Field(gt=0, description="height of the crest above the still surface [m]")]
     depth: Depth
     theory: Annotated[Literal["exact", "grimshaw", "boussinesq"], Field(description="theory")] = "exact"

@@ -113,7 +113,7 @@ class Stokes(Travelling):
     crest 0.056 m, trough -0.044 m
     """
 
-    kind: Literal["stokes"] = "stokes"
+    kind: Literal["stokes"] = Field(default="stokes", init=False)
     height: Height
     period: Period
     depth: Depth

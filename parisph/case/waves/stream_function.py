@@ -148,7 +148,7 @@ class StreamFunction(Travelling):
     height 0.100 m, crest 0.078 m
     """
 
-    kind: Literal["stream_function"] = "stream_function"
+    kind: Literal["stream_function"] = Field(default="stream_function", init=False)
     height: Height
     period: Period
     depth: Depth

@@ -40,9 +40,11 @@ class WaveField(Model):
 class Travelling(WaveField):
     """A wave of permanent form, with a crest at x = `at` when t = 0."""
 
-    if TYPE_CHECKING:    # each kind has these; as fields of this class they would come first
-        at: float
-        leftward: bool
+    if TYPE_CHECKING:    # fields of each kind; as fields of this class they would come first
+        @property
+        def at(self) -> float: ...
+        @property
+        def leftward(self) -> bool: ...
 
     @property
     @abstractmethod

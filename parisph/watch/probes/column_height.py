@@ -2,6 +2,8 @@
 
 from typing import Any, Literal
 
+from pydantic import Field
+
 from parisph.base.arrays import Floats
 from parisph.case.probes import Gauge
 from parisph.watch.gauges import COLUMN_GAP, column_rows, top
@@ -23,7 +25,7 @@ class ColumnHeight(Gauge):
 
     quantity = "column height $y$"
 
-    kind: Literal["column_height"] = "column_height"
+    kind: Literal["column_height"] = Field(default="column_height", init=False)
 
     def title(self, scene: Any) -> str:
         return f"Height of the water column at x = {self.at:g} m"

@@ -39,8 +39,8 @@ class Energy(Probe):
     quantity, quantities = "energy", {"volume_now": "volume"}
     of_potential = ("potential", "total")
 
-    kind: Literal["energy"] = "energy"
-    current: bool = Field(False, description="whether also by the volumes that particles represent now")
+    kind: Literal["energy"] = Field(default="energy", init=False)
+    current: bool = Field(default=False, description="whether also by the volumes that particles represent now")
 
     def title(self, scene: Any) -> str:
         return "Energy of the fluid" + ", by the volumes at the start and by those now" * self.current

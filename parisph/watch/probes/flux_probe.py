@@ -38,10 +38,10 @@ class Flux(Probe):
     judged = "total"
     quantity, quantities = "volume rate", {"total": "volume passed"}
 
-    kind: Literal["flux"] = "flux"
+    kind: Literal["flux"] = Field(default="flux", init=False)
     start: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="first point (x, y) [m]")]
     end: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="last point (x, y) [m]")]
-    pause: Optional[float] = Field(None, gt=0, description="time without water passing that ends an event [s]")
+    pause: Optional[float] = Field(default=None, gt=0, description="time without water passing that ends an event [s]")
 
     @property
     def line(self) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -59,11 +59,11 @@ class Force(OfPressure):
     impacts = ("fx", "fy")
     quantity, quantities = "force", {"moment": "moment"}
 
-    kind: Literal["force"] = "force"
-    on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
+    kind: Literal["force"] = Field(default="force", init=False)
+    on: str = Field(default="tank", description="name of the body")
+    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(default=None, description="side of the tank")
     about: Point = (0.0, 0.0)
-    still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
+    still: Optional[float] = Field(default=None, description="height of the still level, for the dynamic part [m]")
 
     def title(self, scene: Scene) -> str:
         what = f"{self.on}{f', {self.side} side' * bool(self.side)}"

@@ -2,6 +2,9 @@
 
 from typing import Literal
 
+import numpy as np
+from pydantic import Field
+
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
 from parisph.watch.sampling import Scene, View
@@ -21,13 +24,13 @@ class Momentum(Probe):
     columns = {"px": "kg/s", "py": "kg/s"}
     quantity = "momentum"
 
-    kind: Literal["momentum"] = "momentum"
+    kind: Literal["momentum"] = Field(default="momentum", init=False)
 
     def columns_in(self, scene: Scene) -> dict[str, str]:
         return {f"p{axis}": "kg/s" if scene.dim == 2 else "kg m/s" for axis in "xyz"[:scene.dim]}
 
     def sums(self, view: View) -> Floats:
-        found: Floats = view.particles.volume @ view.particles.u
+        found: Floats = np.asarray(view.particles.volume @ view.particles.u, float)
         return found
 
     def values(self, sums: Floats, rows: Floats, view: View) -> Floats:

@@ -56,12 +56,12 @@ class PressureTap(OfPressure):
     impacts = ("pressure",)
     quantity = "pressure $p$"
 
-    kind: Literal["pressure_tap"] = "pressure_tap"
+    kind: Literal["pressure_tap"] = Field(default="pressure_tap", init=False)
     at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
     radius: Optional[float] = Field(
-        None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
-    diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
+        default=None, gt=0, description="radius of the face of the tap [m], at least one spacing; default 3 spacings")
+    diameter: Optional[float] = Field(default=None, gt=0, description="diameter of the disc of the sensor [m]")
+    side: Literal["left", "right"] | None = Field(default=None, description="side of a plate, as seen along its points")
 
     @model_validator(mode="after")
     def _one_face(self) -> "PressureTap":

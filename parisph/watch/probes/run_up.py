@@ -60,12 +60,12 @@ class RunUp(Probe):
     dims = (2,)
     quantity = "highest contact"
 
-    kind: Literal["run_up"] = "run_up"
-    on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the body, or end of the profile")
-    points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
+    kind: Literal["run_up"] = Field(default="run_up", init=False)
+    on: str = Field(default="tank", description="name of the body")
+    side: Literal["left", "right"] | None = Field(default=None, description="side of the body, or end of the profile")
+    points: Optional[tuple[Point, ...]] = Field(default=None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
-    film: Optional[float] = Field(None, gt=0.0, description="thinnest film that counts [m]")
+    film: Optional[float] = Field(default=None, gt=0.0, description="thinnest film that counts [m]")
 
     @model_validator(mode="after")
     def _one_line(self) -> "RunUp":

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any, Literal, Union
 
+from pydantic import Field
+
 from parisph.base.arrays import Floats
 from parisph.case.probes import Gauge
 from parisph.case.truths import Peaks, Truth, WaveTruth
@@ -32,8 +34,9 @@ class SurfaceGauge(Gauge):
     of_surface = True
     quantity = "surface height $y$"
 
-    kind: Literal["surface_gauge"] = "surface_gauge"
-    truth: Union[Truth, WaveTruth, Peaks, None] = None    # type: ignore[assignment]    # a theory of the surface, too
+    kind: Literal["surface_gauge"] = Field(default="surface_gauge", init=False)
+    truth: Union[Truth, WaveTruth, Peaks, None] = Field(    # type: ignore[assignment]    # a theory of the surface, too
+        default=None, kw_only=True)
 
     def title(self, scene: Any) -> str:
         return f"Height of the free surface above x = {self.at:g} m"

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.base.text import point
@@ -25,7 +26,7 @@ class VelocityPoint(AtPoints):
     (2.0, 0.1)
     """
 
-    kind: Literal["velocity_point"] = "velocity_point"
+    kind: Literal["velocity_point"] = Field(default="velocity_point", init=False)
     at: Point
 
     @property

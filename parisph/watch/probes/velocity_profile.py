@@ -26,10 +26,10 @@ class VelocityProfile(AtPoints):
     [[0.5, 0.0], [0.5, 0.5], [0.5, 1.0]]
     """
 
-    kind: Literal["velocity_profile"] = "velocity_profile"
+    kind: Literal["velocity_profile"] = Field(default="velocity_profile", init=False)
     start: Point = Field(description="first point (x, y) [m]")
     end: Point = Field(description="last point (x, y) [m]")
-    points: int = Field(21, ge=2, le=1000, description="number of points")
+    points: int = Field(default=21, ge=2, le=1000, description="number of points")
 
     @property
     def places(self) -> Floats:

@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
@@ -28,16 +29,18 @@ class Volume(Probe):
     dims = (2,)
     quantity, quantities = "mean cell inside the fluid $/\\,s^2$", {"count": "cells counted"}
 
-    kind: Literal["volume"] = "volume"
+    kind: Literal["volume"] = Field(default="volume", init=False)
 
     def ghosts(self) -> tuple[str, ...]:
         return ("x",)
 
     def sums(self, view: View) -> Floats:
         from parisph.kernels.interior import interior_cells
+        from parisph.kernels.records import cloud_of
 
-        p, d = view.particles, view.domain
-        found: Floats = interior_cells(p.x_all, p.role_all, INSIDE * view.scene.spacing, d.radius, d.indptr, d.indices)
+        p, d, s = view.particles, view.domain, view.scene.spacing
+        cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
+        found: Floats = interior_cells(cloud, INSIDE * s, d.radius)
         return found
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:

@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
@@ -26,7 +27,7 @@ class WaterFront(Probe):
     columns = {"x": "m"}
     quantity = "front position $x$"
 
-    kind: Literal["water_front"] = "water_front"
+    kind: Literal["water_front"] = Field(default="water_front", init=False)
 
     def title(self, scene: Scene) -> str:
         return ("Position of the water's foremost particle along the bed" if scene.tank or scene.now is not None
