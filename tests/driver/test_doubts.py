@@ -80,7 +80,8 @@ def test_water_that_is_lost_and_higher_walls(tmp_path):
     low, high = (swayed(height, 0.08, lid=False, end=1.2).changed(**{"numerics.spacing": 0.05})
                  for height in (0.55, 0.9))
     said, lines = status(low, tmp_path / "low")
-    assert lines.startswith("6 of 190 particles, 3.12% of the water, left the tank over its rim: make the walls higher")
+    assert re.match(r"[1-9] of 190 particles, \d\.\d+% of the water, left the tank over its rim: make the walls higher",
+                    lines)
     assert said == "completed with warnings"
     assert "left the tank" not in status(high, tmp_path / "high")[1]
 

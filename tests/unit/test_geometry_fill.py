@@ -52,6 +52,14 @@ def test_shape_in_a_tank_or_none_has_the_points_of_the_lattice(shape, tank):
         fill.is_surface(index), ~np.all([inside(index + step) for step in ((1, 0), (-1, 0), (0, 1), (0, -1))], axis=0))
 
 
+@pytest.mark.parametrize(("shape", "walls"), [
+    (Box(0.53, 0.5), [Tank(2.0, 1.0)]), (StillWater(0.5), [Tank(2.0, 1.0)]),
+    (Box(0.5, 0.5), [Tank(2.0, 1.0), Obstacle(Box(0.1, 0.1, at=(1.5, 0.0)))]),
+])
+def test_fluid_off_the_lattice_of_a_lone_tank_is_not_even(shape, walls):
+    assert not filling(shape, *walls).even
+
+
 SCENES = {
     "slope": [Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 1.1)])],
     "sill": [Tank(3.0, 1.0), Obstacle(Polygon([(1.0, 0.0), (1.2, 0.2), (1.8, 0.2), (2.0, 0.0)]))],

@@ -128,7 +128,7 @@ def test_two_equal_runs_are_an_error(folder):
     (dict(parameters={"depht": 1.0}), "did you mean 'depth'"),
     (dict(parameters={"numerics.gama": 1.0}), "did you mean 'gamma'"),
     (dict(parameters={"numerics.gamma": 3.0}), "gamma = 3"),
-    (dict(spacings=[-0.03]), "spacing"),
+    (dict(spacings=[1e-5]), "spacing"),
     (dict(case="tanks.py"), "there is no such case file"),
     (dict(errors=[TruthError("right")]), "no probe 'right'"),
     (dict(errors=[TruthError("energy")]), "the probe energy has no truth"),
