@@ -49,8 +49,10 @@ class Boundary:
         return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
 
     def present(self, flow: "Flow", least: int) -> Walls:
-        """Return the elements, as far as they count."""
-        return self.elements.walls._replace(present=self.elements.mean_of_nodes(self.counted(flow, least)))
+        """Return the elements, of which those count all of whose nodes do, as for directions without fluid."""
+        p, e = flow.particles, self.elements
+        counts = np.ones(p.n_all, bool) if "closing" not in p.fields else p.closing_all >= least
+        return e.walls._replace(present=((e.nodes < 0) | counts[e.nodes]).all(axis=1).astype(float))
 
     def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
         """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
@@ -102,7 +104,7 @@ class Boundary:
         seen : (n_all,) kind, ABSENT for walls behind air
         """
         p, e = flow.particles, self.elements
-        there = ((e.nodes >= 0) & (seen[e.nodes] != ABSENT)).any(axis=1)
+        there = ((e.nodes < 0) | (seen[e.nodes] != ABSENT)).all(axis=1)    # a lid above the water ends at wet walls
         sticks = (p.no_slip_all[e.nodes] == 1).all(axis=1)
         u = np.where(sticks[:, None], p.u_all[e.nodes].mean(axis=1), e.velocity)
         # the velocity of free water is not known on a convex edge, whose nodes carry no row

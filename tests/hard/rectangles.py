@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.case.schema import Box, Case, Fluid, Numerics, Polygon, Tank
+from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from tests.hard.flow import Bench, History
 from tests.hard.impulse import lost_energy
 from tests.hard.scene import Scene
@@ -16,12 +16,9 @@ FIRST, LATER = 0.05, 0.3            # times side/speed after contact: the end of
 def colliding(resolution: int) -> Case:
     """Return two squares that meet head on at x = 0. resolution : spacings a side"""
     s = SIDE / resolution
-    near, far, half = 0.5 * GAP * s, 0.5 * GAP * s + SIDE, (resolution // 2 + 0.5) * s
-    # one polygon: the bodies hang together by a line between two lattice lines, on which there is no particle
-    shape = Polygon(((-far, 0.0), (-near, 0.0), (-near, half), (near, half), (near, 0.0), (far, 0.0),
-                     (far, SIDE), (near, SIDE), (near, half), (-near, half), (-near, SIDE), (-far, SIDE)))
-    fluid = Fluid(shape, density=1000.0, velocity=(f"where(x < 0, {SPEED}, -{SPEED})", 0.0))
-    return Case(title="colliding squares", fluid=fluid, gravity=(0.0, 0.0), numerics=Numerics(spacing=s),
+    fluids = [Fluid(Box(width=SIDE, height=SIDE, at=(at, 0.0)), density=1000.0, velocity=(speed, 0.0))
+              for at, speed in ((-0.5 * GAP * s - SIDE, SPEED), (0.5 * GAP * s, -SPEED))]
+    return Case(title="colliding squares", fluid=fluids, gravity=(0.0, 0.0), numerics=Numerics(spacing=s),
                 end_time=(0.5 * GAP * s + 0.6 * SIDE) / SPEED)
 
 
