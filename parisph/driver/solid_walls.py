@@ -14,6 +14,7 @@ from parisph.methods import filling
 from parisph.methods.boundary import Boundary
 from parisph.methods.flow import Flow
 from parisph.methods.positions import KeepApart
+from parisph.methods.rigid_bodies import Prescribed
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
@@ -40,7 +41,8 @@ def elements_of(case: Case, particles: Particles) -> WallElements:
                         f"{len(mesh.x0)}: go on with the release that made the run, which `parisph info` names, or "
                         "start it anew with parisph run and its case.json")
     last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
-    return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
+    movers = [Prescribed(motion) for motion in build.scene_motions(case)]
+    return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, movers)
 
 
 def complete(case: Case, flow: Flow, names: Collection[str]) -> None:

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from parisph.base.arrays import Array, Flags, Floats, Ints
+from parisph.base.errors import CaseError
 from parisph.base.fields import DRY, WALL
-from parisph.case.motion import Motion
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
+from parisph.geometry.movers import Mover
 from parisph.kernels import solids, wetness
 from parisph.kernels.jit import axes_of
 from parisph.kernels.records import no_walls
@@ -27,7 +28,7 @@ class WallElements:
     mesh : WallMesh
     first : id of the particle that is the mesh's first node; the others follow in its order
     spacing : [m]
-    motions : those of the bodies, by number; number 0 is rest
+    movers : those of the bodies, by the number of their motion; number 0 is rest
 
     Attributes
     ----------
@@ -39,13 +40,13 @@ class WallElements:
     nodes : (M, dim) int32, the local particles at their corners, -1 for those of other ranks that are no ghosts here
     """
 
-    def __init__(self, mesh: WallMesh, first: int, spacing: float, motions: Sequence[Motion] = ()) -> None:
+    def __init__(self, mesh: WallMesh, first: int, spacing: float, movers: Sequence[Mover] = ()) -> None:
         self.mesh, self.first, self.spacing, self._ends = mesh, first, spacing, mesh.ends
         self.x, self.normal, self._vectors = mesh.x0.copy(), mesh.normal0.copy(), mesh.vector_area.copy()
         self.u, self.a, self.turn = np.zeros_like(mesh.x0), np.zeros_like(mesh.x0), np.zeros_like(mesh.x0)
         self.node_motion = np.array([body.motion for body in mesh.bodies], np.int64)[mesh.body]
         self.moves = self.node_motion > 0
-        self._moving = {number: (motions[number], np.flatnonzero(self.node_motion == number))
+        self._moving = {number: (movers[number], np.flatnonzero(self.node_motion == number))
                         for number in np.unique(self.node_motion[self.moves])}
         self._near = np.zeros(0, np.int64)
         self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
@@ -87,6 +88,18 @@ class WallElements:
         """Whether any wall moves."""
         return bool(self._moving)
 
+    def let_move(self, name: str, mover: Mover) -> None:
+        """Let a mover move a body, and those that share its motion, instead of that motion from the next step on.
+
+        The motion in the case still says how far the scene reaches, and where probes and pictures look for the body.
+        Call it on all ranks. Raises CaseError, on all of them, if no body of this name moves.
+        """
+        moving = {body.name: body.motion for body in self.mesh.bodies if body.motion}
+        if name not in moving:
+            raise CaseError(f"let_move: no body {name!r} moves (those that do: {', '.join(moving) or 'none'}); give it "
+                            "a motion in the case, which says how far it goes")
+        self._moving[moving[name]] = mover, self._moving[moving[name]][1]
+
     # -- where they are --------------------------------------------------------------------
 
     def place(self, at: float, start: float, stop: float) -> None:
@@ -96,20 +109,9 @@ class WallElements:
         which changes the velocity by its change in the step.
         """
         mean = self.u.copy()
-        for motion, own in self._moving.values():
-            x0 = self.mesh.x0[own]
-            before, after = motion.placed(x0, start), motion.placed(x0, stop)
-            self.x[own] = motion.placed(x0, at)
-            self.normal[own] = motion.turned(self.mesh.normal0[own], at)
-            self._vectors[own] = motion.turned(self.mesh.vector_area[own], at)
-            self.u[own] = motion.velocity_at(before, start)
-            tip = before + motion.turned(self.mesh.normal0[own], start)
-            self.turn[own] = motion.velocity_at(tip, start) - self.u[own]
-            if stop > start:
-                self.a[own] = (motion.velocity_at(after, stop) - self.u[own]) / (stop - start)
-                mean[own] = (after - before) / (stop - start)
-            else:
-                self.a[own], mean[own] = motion.acceleration_at(before, start), self.u[own]
+        for mover, own in self._moving.values():
+            (self.x[own], self.normal[own], self._vectors[own], self.u[own], self.turn[own], mean[own],
+             self.a[own]) = mover.moved(self.mesh, own, at, start, stop)
         self._mean = mean
         self._place()
 
@@ -142,13 +144,8 @@ class WallElements:
 
     def longest_step(self, time: float, cfl: float) -> float:
         """Return the longest step [s] after a time [s] in which no wall moves by more than cfl spacings."""
-        found, room = np.inf, cfl * self.spacing
-        for motion, own in self._moving.values():
-            x = motion.placed(self.mesh.x0[own], time)
-            speed = np.linalg.norm(motion.velocity_at(x, time), axis=1).max()
-            push = np.linalg.norm(motion.acceleration_at(x, time), axis=1).max()
-            found = min(found, motion.longest_step, room / max(speed, 1e-300), np.sqrt(2.0 * room / max(push, 1e-300)))
-        return float(found)
+        return min((mover.longest_step(self.mesh.x0[own], time, cfl * self.spacing)
+                    for mover, own in self._moving.values()), default=np.inf)
 
     # -- which are near --------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from parisph import (
     Disc,
     Fluid,
     Force,
+    Heave,
     Numerics,
     Obstacle,
     Piston,
@@ -24,6 +25,8 @@ from parisph import (
     Tank,
 )
 from parisph.geometry.mesh import CONVEX
+from parisph.geometry.movers import MovedNodes
+from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.instruments import build, sample_all
 from tests.watched import DENSITY, G, Watch
 
@@ -141,3 +144,57 @@ def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side,
 def test_what_a_body_does_not_have(probe, message):
     with pytest.raises(CaseError, match=message):
         scene([probe], Obstacle(BOX, name="stone"))
+
+
+class Sinking:
+    """A Mover without a law: a body of `mass` [kg/m] that its weight and the pressure at the end of a step move."""
+
+    def __init__(self, simulation, name, mass):
+        self.simulation, self.elements, self.mass = simulation, simulation.domain.elements, mass
+        mesh = self.elements.mesh
+        number = [body.name for body in mesh.bodies].index(name)
+        self.force = PressureLoad(mesh, mesh.elements[mesh.element_body == number])
+        self.at, self.speed, self.pull = np.zeros((3, 2))
+
+    def way(self, time):
+        return time * self.speed + 0.5 * time**2 * self.pull
+
+    def moved(self, mesh, own, at, start, stop):
+        still = np.zeros((len(own), 2))
+        mean = self.speed + 0.5 * (stop - start) * self.pull
+        return MovedNodes(mesh.x0[own] + self.at + self.way(at - start), mesh.normal0[own], mesh.vector_area[own],
+                          still + self.speed, still, still + mean, still + self.pull)
+
+    def longest_step(self, x0, time, room):
+        return room / max(np.hypot(*self.speed), 1e-9)
+
+    def load(self):
+        _, node, pressure = node_pressures(self.simulation.particles, self.elements)
+        p = np.empty(len(self.elements.x))
+        p[node] = pressure
+        return self.force.of(self.elements.x, p, np.zeros(2))
+
+    def advance(self):
+        dt = self.simulation.advance().dt
+        self.at, self.speed = self.at + self.way(dt), self.speed + dt * self.pull
+        fx, fy, _ = self.load()
+        self.pull = np.array([fx, fy]) / self.mass - (0.0, G)
+
+
+def test_a_body_without_a_law_moves_by_the_force_that_the_probe_measures():
+    heavy, start = 5.0 * DENSITY * np.pi * 0.15**2, 0.45
+    disc = Obstacle(Disc(0.15, at=(0.6, start)), name="disc", motion=Heave(amplitude=0.05, frequency=1.0))
+    simulation = Simulation(scene([Force("load", on="disc")], disc, max_time_step=0.01), MPI.COMM_SELF)
+    mover, p = Sinking(simulation, "disc", heavy), simulation.particles
+    with pytest.raises(CaseError, match="no body 'tank' moves .those that do: disc."):
+        mover.elements.let_move("tank", mover)
+    mover.elements.let_move("disc", mover)
+    probes = build(simulation.case, simulation.comm)
+    for _ in range(12):
+        mover.advance()
+        assert sample_all(probes, p, simulation.domain, simulation.time)["load"] == mover.load()
+    own = p.body == 1
+    simulation.destroy()
+    assert p.x[own].mean(axis=0) == pytest.approx((0.6, start + mover.at[1]), abs=0.002)
+    # (M - m) / (M + A) g, with an added mass A between that in boundless water, m, and twice as much
+    assert -4.0 / 6.0 < mover.pull[1] / G < -4.0 / 7.0 and abs(mover.pull[0]) < 0.05 * G

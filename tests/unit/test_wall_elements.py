@@ -12,6 +12,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.near import Form
 from parisph.kernels.records import cloud_of, no_walls
 from parisph.methods.boundary import Boundary
+from parisph.methods.rigid_bodies import Prescribed
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 from tests.pools import nowhere
@@ -25,7 +26,7 @@ def turning():
     """Return the elements of a tank at rest with a block that turns, and its nodes as particles after two of fluid."""
     walls = [Tank(1.0, 1.0, name="tank"), Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=ROLL)]
     mesh = wall_mesh(walls, S)
-    elements = WallElements(mesh, 2, S, motions_of(walls))
+    elements = WallElements(mesh, 2, S, [Prescribed(motion) for motion in motions_of(walls)])
     n = len(mesh.x0) + 2
     p = Particles(MPI.COMM_SELF, 2, FieldSet((*Boundary.fields, "wall_u")))
     p.assign({"id": np.arange(n)[::-1], "kind": np.repeat(np.array([WALL, FLUID], np.int8), [n - 2, 2]),
@@ -69,7 +70,7 @@ def test_turn_is_the_rate_of_the_normal():
 
 def test_step_is_limited_by_speed_and_acceleration():
     walls = [Tank(1.0, 1.0), Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=Sway(0.1, frequency=3.0))]
-    elements = WallElements(wall_mesh(walls, S), 0, S, motions_of(walls))
+    elements = WallElements(wall_mesh(walls, S), 0, S, [Prescribed(motion) for motion in motions_of(walls)])
     assert elements.longest_step(0.0, 0.3) == pytest.approx(min(0.3 * S / 0.3, 2.0 * np.pi / 3.0 / 50.0), rel=1e-6)
     assert WallElements(wall_mesh(walls[:1], S), 0, S).longest_step(0.0, 0.3) == np.inf
 

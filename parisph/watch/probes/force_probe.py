@@ -7,21 +7,20 @@ import numpy as np
 from pydantic import Field
 
 from parisph.base.arrays import Flags, Floats, Ints
-from parisph.base.fields import DRY, WALL
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.expressions import uniform_field
-from parisph.case.probes import WIDTH, Measure, OfPressure, Point
+from parisph.case.probes import Measure, OfPressure, Point
 from parisph.case.scene import Scene as Described
 from parisph.case.scenery import body_names
-from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.geometry.mesh import WallMesh
 from parisph.geometry.outline import outline_of
 from parisph.geometry.probe_places import Places, on_side
+from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.sampling import Scene, View
 from parisph.watch.walls_now import WallsNow
 
 DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
-LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
 
 
 class Force(OfPressure):
@@ -111,52 +110,32 @@ class Force(OfPressure):
 
 
 class BodyForce(Measure):
-    """Force of the pressure on a body, -sum p n A, and its moment about a point (2D). Its nodes are where they are now.
-
-    On each element the pressure is linear between its nodes, and the integrals are exact. Dry nodes have p = 0. A node
-    on a convex edge has no pressure, nor has one with no room for fluid in front (WallElements.without_room): there
-    that along the element's side of the edge is continued linearly, or as it is beside a dry node. At the end of a line
-    of elements, as at the foot of a wavemaker, it is not below 0.
-    """
+    """Load of the pressure on a body where its nodes are now (methods.rigid_bodies.PressureLoad)."""
 
     def __init__(self, probe: Force, scene: Scene) -> None:
         self.probe, self.scene, now = probe, scene, scene.now
         assert now is not None    # its body is a wall
-        mesh = now.mesh
-        self.about, self._mesh, self._ends = np.array(probe.about), mesh, mesh.ends
-        self._elements = probe.elements(mesh)
+        mesh, elements = now.mesh, probe.elements(now.mesh)
+        self._load, self._size = PressureLoad(mesh, elements), mesh.x0.shape
         self._faces = _faces(scene, now, probe.on) if probe.still is not None else []
-        self._bodies = np.unique(mesh.body[[*self._elements.flat, *(node for face in self._faces for node in face)]])
-        # of each end of an element: the node beyond its other end on the same body, or that end itself
-        self._beyond = np.stack([_next(self._elements, end) for end in (0, 1)], axis=1)
+        self._bodies = np.unique(mesh.body[[*elements.flat, *(node for face in self._faces for node in face)]])
 
     def rows(self, view: View) -> Floats:
-        """Return a row (its number, x, y, pressure) for each wall particle here that may be a node of the body.
-
-        The pressure is that of a node with one, inf at a dry one, nan where there is none.
-        """
-        p, without = view.particles, view.domain.elements.without_room(view.particles)
-        wall = np.flatnonzero(p.kind == WALL)
-        last = p.id[wall].max(initial=-1)
-        wall = wall[np.isin(p.body[wall], self._bodies)]
-        rows = np.empty((len(wall) + 1, WIDTH))
-        rows[0] = LAST, last, 0.0, 0.0
-        rows[1:, 0], rows[1:, 1:3] = p.id[wall], p.x[wall]
-        dry = np.where(p.role[wall] == DRY, np.inf, p.p[wall])
-        rows[1:, 3] = np.where((p.edge[wall] == CONVEX) | without[wall], np.nan, dry)
-        return rows
+        """Return a row (node, x, y, pressure) for each wall particle here that may be a node of the body."""
+        wall, node, pressure = node_pressures(view.particles, view.domain.elements)
+        rows = np.column_stack([node, view.particles.x[wall], pressure])
+        return rows[np.isin(view.particles.body[wall], self._bodies)]
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        nodes, last = rows[rows[:, 0] != LAST], rows[rows[:, 0] == LAST, 1].max()
-        x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
-        number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order
-        x[number], p[number] = nodes[:, 1:3], nodes[:, 3]
-        found = self._load(x, p)
+        x, p, node = np.zeros(self._size), np.full(self._size[0], np.inf), rows[:, 0].astype(int)
+        x[node], p[node] = rows[:, 1:3], rows[:, 3]
+        about = np.array(self.probe.about)
+        found = self._load.of(x, p, about)
         if self.probe.still is None:
             return found
         still = self.probe.at_rest(self.scene, x)
         wet = (still > 0.0) & ~(np.isposinf(p) & self._behind(x))
-        rest = self._load(x, np.where(np.isnan(p), np.nan, np.where(wet, still, np.inf)))
+        rest = self._load.of(x, np.where(np.isnan(p), np.nan, np.where(wet, still, np.inf)), about)
         return (*found, *np.subtract(found, rest))
 
     def _behind(self, x: Floats) -> Flags:
@@ -166,38 +145,6 @@ class BodyForce(Measure):
             way, off = x[end] - x[start], x - x[start]
             found |= way[0] * off[:, 1] - way[1] * off[:, 0] < 0.0
         return found
-
-    def _load(self, x: Floats, p: Floats) -> tuple[float, ...]:
-        """Return the force and the moment of pressures p at nodes x: inf at dry ones, nan where there is none."""
-        ends, pressure = x[self._elements], self._pressures(x, p)
-        area = area_vectors(ends)
-        force = -pressure.mean(axis=1)[:, None] * area
-        # the integral of (x - about) p over an element, whose normal is the same all along
-        (a, b), (p, q) = np.moveaxis(ends - self.about, 1, 0), pressure.T
-        arm = ((2.0 * p + q)[:, None] * a + (p + 2.0 * q)[:, None] * b) / 6.0
-        moment = -(arm[:, 0] * area[:, 1] - arm[:, 1] * area[:, 0]).sum()
-        return (*force.sum(axis=0), moment)
-
-    def _pressures(self, x: Floats, p: Floats) -> Floats:
-        """Return the pressures at both ends of each element (M, 2)."""
-        found = np.empty(self._elements.shape)
-        wet = np.isfinite(p)
-        for end in (0, 1):
-            own, other, beyond = self._elements[:, end], self._elements[:, 1 - end], self._beyond[:, end]
-            length = np.linalg.norm(x[own] - x[other], axis=1)
-            share = length / np.maximum(np.linalg.norm(x[other] - x[beyond], axis=1), np.finfo(float).tiny)
-            there = np.where(wet, p, 0.0)
-            linear = wet[other] & wet[beyond] & (other != beyond)
-            continued = there[other] + np.where(linear, share * (there[other] - there[beyond]), 0.0)
-            continued = np.where(self._ends[own], np.maximum(continued, 0.0), continued)
-            found[:, end] = np.where(np.isnan(p[own]), continued, there[own])
-        return found
-
-
-def _next(elements: Ints, end: int) -> Ints:
-    """Return, for each element, the node beyond its end 1 - `end`; that end itself if there is none."""
-    after = {element[end]: element[1 - end] for element in elements.tolist()}
-    return np.array([after.get(element[1 - end], element[1 - end]) for element in elements.tolist()])
 
 
 def _faces(scene: Scene, now: WallsNow, on: str) -> list[Ints]:
