@@ -65,7 +65,7 @@ def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
     for wall in standing(case):
         outline = outline_of(wall)
         if outline.two_sided or not isinstance(wall.motion, AtRest):
-            for a, b in zip(outline.starts, outline.ends):
+            for a, b in outline.elements:
                 for part in np.linspace(0.0, 1.0, 4 * ACROSS):
                     picture[_cell(picture, lower, upper, a + part * (b - a))] = WALL
 

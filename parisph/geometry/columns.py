@@ -11,6 +11,19 @@ import numpy as np
 Intervals = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
+def meet(p: np.ndarray, d: np.ndarray, q: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return t and u (...) where lines p + t d and q + u e (..., 2) meet, not finite where they are parallel."""
+    apart, slant = q - p, cross(d, e)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return cross(apart, e) / slant, cross(apart, d) / slant
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the cross products (...) of vectors (..., 2)."""
+    product: np.ndarray = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product
+
+
 def _pairs(left, right, lines):
     """Return the numbers of pieces from `left` to `right` and of the lines that each of them meets."""
     first = np.searchsorted(lines, left, side="left")
@@ -97,23 +110,13 @@ def beds(corners: np.ndarray, columns: np.ndarray, top: float) -> np.ndarray:
 def union(*parts: Intervals) -> Intervals:
     """Return disjoint intervals, in order, that cover the same as all parts together."""
     line, low, high = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    order = np.lexsort([low, line])
-    line, low, high = line[order], low[order], high[order]
-    if len(line) == 0:
-        return line, low, high
-    reach = _running_maximum(line, high)
-    new = np.append(True, (line[1:] != line[:-1]) | (low[1:] > reach[:-1]))
-    last = np.append(np.flatnonzero(new)[1:], len(line)) - 1
-    return line[new], low[new], reach[last]
-
-
-def _running_maximum(line, high):
-    """Return the greatest upper end so far on the same line, for intervals in the order of their lines."""
-    order = np.argsort(high, kind="stable")
-    rank = np.empty(len(high), dtype=np.int64)
-    rank[order] = np.arange(len(high))
-    number = np.cumsum(np.append(0, line[1:] != line[:-1])) * len(high)
-    return high[order[np.maximum.accumulate(rank + number) - number]]
+    line, at = np.concatenate([line, line]), np.concatenate([low, np.maximum(low, high)])
+    step = np.repeat([1, -1], len(low))
+    order = np.lexsort([-step, at, line])    # of the same place, starts before ends: what touches is joined
+    line, at = line[order], at[order]
+    last = np.flatnonzero(np.cumsum(step[order]) == 0)
+    first = np.append(0, last[:-1] + 1)[: len(last)]
+    return line[first], at[first], at[last]
 
 
 def gaps(taken: Intervals, lines: int, bottom: float, top: float) -> Intervals:

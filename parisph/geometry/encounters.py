@@ -14,8 +14,9 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.bodies import Plate, Profile
 from parisph.case.motion import AtRest, Motion, Rotation, course
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import area_vectors
+from parisph.geometry.columns import meet
+from parisph.geometry.distance import across, nearest
+from parisph.geometry.mesh import unit_normals
 from parisph.geometry.outline import Outline, Wall, outline_of
 
 CONTACT = 0.25    # spacings: walls that are nearer touch; so far behind a wall another is in it
@@ -123,19 +124,16 @@ def _first(times: Floats, values: Floats, value: float) -> float:
 
 def distance_between(a: Outline, b: Outline) -> tuple[float, Floats]:
     """Return the distance of two outlines [m], 0 where pieces cross, and the place (2,) [m]."""
-    p, d, q, e = a.starts, a.ends - a.starts, b.starts, b.ends - b.starts
-    apart = q[None] - p[:, None]
-    slant = d[:, None, 0] * e[None, :, 1] - d[:, None, 1] * e[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (apart[..., 0] * e[None, :, 1] - apart[..., 1] * e[None, :, 0]) / slant
-        u = (apart[..., 0] * d[:, None, 1] - apart[..., 1] * d[:, None, 0]) / slant
-    cross = np.argwhere((t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0))
-    if len(cross):
-        i, j = cross[0]
+    p, q = a.elements[:, 0], b.elements[:, 0]
+    d, e = a.elements[:, 1] - p, b.elements[:, 1] - q
+    t, u = meet(p[:, None], d[:, None], q, e)
+    crossed = np.argwhere((t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0))
+    if len(crossed):
+        i, j = crossed[0]
         return 0.0, p[i] + t[i, j] * d[i]
     best: tuple[float, Floats] = (np.inf, np.full(2, np.nan))
     for points, outline in ((a.points, b), (b.points, a)):
-        near, _, foot = nearest(points, np.stack([outline.starts, outline.ends], axis=1))
+        near, _, foot = nearest(points, outline.elements)
         k = int(np.argmin(near))
         if near[k] < best[0]:
             best = float(near[k]), foot[k]
@@ -170,7 +168,7 @@ def _together(pair: _Pair) -> tuple[float, float, Floats] | None:
     They reach each other where one gets into the other that was not in it. What slides along another does not.
     """
     first = pair.pose(0.0)
-    checks = [(k, _places(first[k], pair.spacing)) for k in _solid_against(pair)]
+    checks = [(k, _places(first[k].elements, pair.spacing)) for k in _solid_against(pair)]
     kept = [(k, places[~_behind(places, first[1 - k], pair.spacing)]) for k, places in checks]
     # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
     kept = [(k, places) for k, places in kept if k == 0 or len(places) == len(dict(checks)[k])]
@@ -208,10 +206,10 @@ def _carried(places: Floats, motion: Motion, u: float, timed: bool) -> Floats:
     return motion.placed(places, u) if timed else motion.placed_by(places, u)
 
 
-def _places(outline: Outline, spacing: float) -> Floats:
-    """Return the middles (n, 2) [m] of parts of an outline, of about a spacing."""
+def _places(elements: Floats, spacing: float) -> Floats:
+    """Return the middles (n, 2) [m] of parts of elements (M, 2, 2) [m], of about a spacing."""
     found = []
-    for a, b in zip(outline.starts, outline.ends):
+    for a, b in elements:
         many = int(np.clip(np.linalg.norm(b - a) / spacing + ROUNDING, 1, DIVIDED))    # as many where it is turned
         found.append(a + ((np.arange(many) + 0.5) / many)[:, None] * (b - a))
     return np.concatenate(found)
@@ -221,7 +219,7 @@ def _behind(x: Floats, outline: Outline, spacing: float) -> np.ndarray:
     """Return which points (n, 2) [m] are behind an outline by more than CONTACT, (n,) bool."""
     behind = ~outline.in_front(x)
     if behind.any():
-        far, _, _ = nearest(x[behind], np.stack([outline.starts, outline.ends], axis=1))
+        far, _, _ = nearest(x[behind], outline.elements)
         behind[behind] = far > CONTACT * spacing
     return behind
 
@@ -229,21 +227,7 @@ def _behind(x: Floats, outline: Outline, spacing: float) -> np.ndarray:
 def _facing(a: Outline, b: Outline, spacing: float) -> tuple[Floats, Floats]:
     """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one outline to the other, where this
     faces it, inf elsewhere, and these places."""
-    normal, e = _unit(area_vectors(np.stack([b.starts, b.ends], axis=1))), b.ends - b.starts
-    gaps, places = [], []
-    for start, end in zip(a.starts, a.ends):
-        way = _unit(area_vectors(np.array([[start, end]])))[0]
-        m = _places(Outline(np.array([start, end]), False), spacing)
-        apart, slant = b.starts[None] - m[:, None], way[0] * e[:, 1] - way[1] * e[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (apart[..., 0] * e[:, 1] - apart[..., 1] * e[:, 0]) / slant
-            u = (apart[..., 0] * way[1] - apart[..., 1] * way[0]) / slant
-        hit = (t > -CONTACT * spacing) & (u >= 0.0) & (u <= 1.0) & (normal @ way < FACING)
-        gaps.append(np.where(hit, t, np.inf).min(axis=1))
-        places.append(m)
-    return np.concatenate(gaps), np.concatenate(places)
-
-
-def _unit(vectors: Floats) -> Floats:
-    length: Floats = np.linalg.norm(vectors, axis=1)[:, None]
-    return vectors / length
+    places = [_places(element[None], spacing) for element in a.elements]
+    way = np.repeat(unit_normals(a.elements), [len(some) for some in places], axis=0)
+    x = np.concatenate(places)
+    return across(x, way, b.elements, FACING, -CONTACT * spacing)[0], x

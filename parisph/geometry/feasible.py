@@ -9,10 +9,10 @@ from parisph.base.text import rounded_down
 from parisph.case.bodies import Obstacle, Profile, StillWater
 from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
-from parisph.geometry.distance import nearest
+from parisph.geometry.distance import across, nearest, on_segments
 from parisph.geometry.encounters import distance_between
 from parisph.geometry.fill import Filling, taken
-from parisph.geometry.mesh import WallMesh, area_vectors, chains_of, motion_numbers, stretches, wall_mesh
+from parisph.geometry.mesh import WallMesh, area_vectors, chains_of, motion_numbers, stretches, unit_normals, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area, way_beyond
 from parisph.geometry.polygons import Chain
 from parisph.geometry.tips import Filled
@@ -24,7 +24,6 @@ FLAT = 10.0      # degrees: on a slope as flat, the tip of the water is one part
 RESTLESS = ", and waves that reach it may gain energy; to take them up, use a Sponge in place of the slope"
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: what is said to do, does
-PAIRS = 2**20    # of an element and a piece that are looked at in one go
 
 
 def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
@@ -74,54 +73,32 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain],
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
     another. walls : of these, bodies beside what is Filled are left out: with any spacing they come as near as that.
     """
-    best = np.inf, np.full(2, np.nan), -1, -1
-    if not chains or not len(mesh.elements):
-        return best
-    a, b, owner = _pieces(chains)
-    corners = mesh.corners()
-    middle, way = corners.mean(axis=1), _unit_normals(corners)
-    normal, e = _unit_normals(np.stack([a, b], axis=1)), b - a
-    filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
-    rows = max(PAIRS // len(a), 1)
-    for low in range(0, len(middle), rows):
-        m, n = middle[low : low + rows, None], way[low : low + rows, None]
-        apart, slant = a - m, n[..., 0] * e[:, 1] - n[..., 1] * e[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (apart[..., 0] * e[:, 1] - apart[..., 1] * e[:, 0]) / slant
-            u = (apart[..., 0] * n[..., 1] - apart[..., 1] * n[..., 0]) / slant
-        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (way[low : low + rows] @ normal.T < 0.0)
-        t = np.where(hit, t, np.inf)
-        first = t.argmin(axis=1)
-        gap = t[np.arange(len(t)), first]
-        for k in np.argsort(gap, kind="stable"):    # the least first, so that few are looked at
-            if not gap[k] < best[0]:
-                break
-            pair = int(mesh.element_body[low + k]), int(owner[first[k]])
+    if chains and len(mesh.elements):
+        pieces, owner = _pieces(chains)
+        middle, way = mesh.corners().mean(axis=1), unit_normals(mesh.corners())
+        filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
+        gap, piece = across(middle, way, pieces)
+        for k in np.argsort(gap, kind="stable")[: np.count_nonzero(np.isfinite(gap))]:
+            pair = int(mesh.element_body[k]), int(owner[piece[k]])
             beside = any(number in pair or set(pair) == set(own) for number, own in filled.items())
-            if not beside and not _meet(a, b, first[k], middle[low + k]):
-                best = float(gap[k]), middle[low + k] + 0.5 * gap[k] * way[low + k], *pair
-    return best
+            if not beside and not _meet(pieces, piece[k], middle[k]):
+                return float(gap[k]), middle[k] + 0.5 * gap[k] * way[k], *pair
+    return np.inf, np.full(2, np.nan), -1, -1
 
 
-def _unit_normals(corners):
-    normal = area_vectors(corners)
-    return normal / np.linalg.norm(normal, axis=1)[:, None]
-
-
-def _meet(a, b, piece, m):
+def _meet(pieces, piece, m):
     """Return whether a piece joins the one on which the place m lies: then they make a wedge, not a gap."""
-    along = b - a
-    t = np.clip(np.sum((m - a) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
-    own = np.argmin(np.linalg.norm(m - a - t[:, None] * along, axis=1))
-    close = 1e-6 * np.linalg.norm(along[own])
+    a, b = pieces[:, 0], pieces[:, 1]
+    own = np.argmin(np.linalg.norm(m - on_segments(m, a, b), axis=1))
+    close = 1e-6 * np.linalg.norm(b[own] - a[own])
     return bool((np.linalg.norm(a[own] - b[piece]) < close) or (np.linalg.norm(b[own] - a[piece]) < close))
 
 
 def _pieces(chains):
-    """Return the straight pieces of all chains, (n, 2) each, and their bodies (n,)."""
-    ends = [np.roll(chain.points, -1, axis=0) if chain.closed else chain.points[1:] for chain in chains]
-    starts = [chain.points if chain.closed else chain.points[:-1] for chain in chains]
-    return np.concatenate(starts), np.concatenate(ends), np.concatenate([chain.body for chain in chains])
+    """Return the straight pieces of all chains, (n, 2, 2) [m], and their bodies (n,)."""
+    pieces = [np.stack([chain.points, np.roll(chain.points, -1, axis=0)], axis=1)[: len(chain.body)]
+              for chain in chains]
+    return np.concatenate(pieces), np.concatenate([chain.body for chain in chains])
 
 
 def _at(x):
@@ -141,7 +118,7 @@ def _thin(walls, names, spacing) -> Iterator[str]:
 
 def _thickness(outline):
     """Return the shorter side [m] of the rectangle with the area and the circumference of an outline."""
-    quarter = 0.25 * float(np.linalg.norm(outline.ends - outline.starts, axis=1).sum())
+    quarter = 0.25 * float(np.linalg.norm(area_vectors(outline.elements), axis=1).sum())
     return quarter - np.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
 
 
@@ -299,8 +276,7 @@ def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
             continue
         beside = outline_of(Obstacle(shape=other))
         gap, at = distance_between(one, beside)
-        at = sum(nearest(at[None], np.stack([outline.starts, outline.ends], axis=1))[2][0]
-                 for outline in (one, beside)) / 2.0
+        at = sum(nearest(at[None], outline.elements)[2][0] for outline in (one, beside)) / 2.0
         within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])
         if not within.any() and FIT * spacing < gap < (1.0 - FIT) * spacing and not _wall_at(walls, at, gap):
             yield (f"{titles[number]} and {title}: they are {gap:.3g} m apart at {_at(at)}, {gap / spacing:.2g} "
@@ -317,5 +293,5 @@ def _boxes_apart(one, other, spacing):
 def _wall_at(walls, at, gap):
     """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
     outlines = [outline_of(wall) for wall in walls]
-    return not in_fluid(outlines, at[None])[0] or any(nearest(at[None], np.stack(
-        [outline.starts, outline.ends], axis=1))[0][0] < gap for outline in outlines if outline.two_sided)
+    return not in_fluid(outlines, at[None])[0] or any(
+        nearest(at[None], outline.elements)[0][0] < gap for outline in outlines if outline.two_sided)

@@ -89,6 +89,13 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
     return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
 
 
+def unit_normals(corners: np.ndarray) -> np.ndarray:
+    """Return the unit normals (M, dim) of elements (M, dim, dim)."""
+    normal = area_vectors(corners)
+    unit: np.ndarray = normal / np.linalg.norm(normal, axis=1)[:, None]
+    return unit
+
+
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     """Return the mesh of the walls of a scene (2D), each in its own frame, as at t = 0.
 

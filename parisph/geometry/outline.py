@@ -7,6 +7,7 @@ import numpy as np
 
 from parisph.case.bodies import Obstacle, Plate, Profile
 from parisph.case.shapes import Box, Disc, Shape, Tank
+from parisph.geometry.columns import cross, meet
 
 FACETS = 256    # straight pieces around a disc; they turn by less than a mesh calls a corner
 
@@ -34,41 +35,32 @@ class Outline:
         return _ways(self.points, self.beyond)
 
     @property
-    def starts(self) -> np.ndarray:
-        """Where the pieces start, (pieces, 2) [m]."""
-        return self.points if self.closed else self.points[:-1]
-
-    @property
-    def ends(self) -> np.ndarray:
-        """Where the pieces end, (pieces, 2) [m]."""
-        return np.roll(self.points, -1, axis=0) if self.closed else self.points[1:]
+    def elements(self) -> np.ndarray:
+        """The first and the last point of each straight piece, (pieces, 2, 2) [m]."""
+        pairs = np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
+        return pairs if self.closed else pairs[:-1]
 
     def in_front(self, x: np.ndarray) -> np.ndarray:
         """Return which of the points x (n, 2) [m] lie on the fluid's side of this body, (n,) bool.
 
         The pieces are seen from x under angles whose sum is known but for a whole turn, which tells the sides apart.
         """
+        front = np.full(len(x), self.two_sided or signed_area(self.points) < 0.0)
         if self.two_sided:
-            return np.ones(len(x), dtype=bool)
-        if self.closed:
-            return self._in_front_of_closed(x)
-        turn = np.zeros(len(x))
-        for a, b in zip(self.starts, self.ends):
-            turn += _angle(a - x, b - x)
-        first, last = self.ways
-        turn += _angle(first[None], self.points[0] - x) + _angle(self.points[-1] - x, last[None])
-        whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
-        return turn > (whole if whole > 1e-9 else 2.0 * np.pi) - np.pi
-
-    def _in_front_of_closed(self, x: np.ndarray) -> np.ndarray:
-        """As `in_front`: only what is in the box around it may be inside."""
-        clockwise = signed_area(self.points) < 0.0
-        front = np.full(len(x), clockwise)
-        near = np.flatnonzero(((x >= self.points.min(axis=0)) & (x <= self.points.max(axis=0))).all(axis=1))
-        turn = np.zeros(len(near))
-        for a, b in zip(self.starts, self.ends) if len(near) else ():
-            turn += _angle(a - x[near], b - x[near])
-        front[near] = turn > (-np.pi if clockwise else np.pi)
+            return front
+        near = np.ones(len(x), dtype=bool)
+        if self.closed:    # only what is in the box around it may be inside
+            near = ((x >= self.points.min(axis=0)) & (x <= self.points.max(axis=0))).all(axis=1)
+        at = x[near]
+        turn, whole = np.zeros(len(at)), 0.0 if front.all() else 2.0 * np.pi
+        for a, b in self.elements if len(at) else ():
+            turn += _angle(a - at, b - at)
+        if not self.closed:
+            first, last = self.ways
+            turn += _angle(first[None], self.points[0] - at) + _angle(self.points[-1] - at, last[None])
+            whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
+            whole = whole if whole > 1e-9 else 2.0 * np.pi
+        front[near] = turn > whole - np.pi
         return front
 
 
@@ -113,11 +105,8 @@ def _meets_itself(points, first, last):
 
 def _ray_meets(start, way, at, along, most):
     """Return whether start + t way, t > 0, meets one of the pieces at + u along (n, 2), 0 <= u <= most."""
-    apart, slant = at - start, way[0] * along[:, 1] - way[1] * along[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / slant
-        u = (apart[:, 0] * way[1] - apart[:, 1] * way[0]) / slant
-    parallel = np.abs(slant) <= 1e-12 * np.linalg.norm(way) * np.linalg.norm(along, axis=1)
+    t, u = meet(start, way, at, along)
+    parallel = np.abs(cross(way, along)) <= 1e-12 * np.linalg.norm(way) * np.linalg.norm(along, axis=1)
     return bool(np.any(~parallel & (t > 0.0) & (u >= 0.0) & (u <= most)))
 
 
@@ -154,4 +143,4 @@ def _clockwise(points):
 
 def _angle(a, b):
     """Return the angle from a to b (n, 2), anticlockwise, in [-pi, pi]."""
-    return np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])
+    return np.arctan2(cross(a, b), a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])

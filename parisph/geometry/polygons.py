@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parisph.geometry.columns import overlapping
+from parisph.geometry.columns import cross, meet, overlapping
 from parisph.geometry.outline import Outline
 
 CLOSE = 1e-6    # spacings: points nearer than this are one
@@ -37,27 +37,9 @@ def joined(outlines: Sequence[Outline], spacing: float) -> list[Chain]:
 
     outlines : of bodies number 0, 1, ... that do not move against each other; spacing : [m]
     """
-    if len(outlines) == 1:
-        return [_alone(outlines[0])]
     points, pieces, body = _cut(outlines, CLOSE * spacing)
     keep = _seen(outlines, points, pieces, body)
     return _chains(points, pieces[keep], body[keep])
-
-
-def _alone(outline):
-    back, ahead = _directions(outline)
-    angle = np.full(len(outline.points), np.pi)
-    own = slice(None) if outline.closed else slice(1, -1)
-    angle[own] = _fluid_angle(back, ahead)
-    return Chain(outline.points, np.zeros(len(outline.starts), dtype=np.int64), angle, outline.closed)
-
-
-def _directions(outline):
-    """Return the directions back and ahead at the points where two pieces join, (n, 2) each."""
-    p = outline.points
-    if outline.closed:
-        return np.roll(p, 1, axis=0) - p, np.roll(p, -1, axis=0) - p
-    return p[:-2] - p[1:-1], p[2:] - p[1:-1]
 
 
 def _fluid_angle(back, ahead):
@@ -68,8 +50,8 @@ def _fluid_angle(back, ahead):
 
 def _cut(outlines, close):
     """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and their bodies (m,)."""
-    a, b = np.concatenate([o.starts for o in outlines]), np.concatenate([o.ends for o in outlines])
-    body = np.repeat(np.arange(len(outlines)), [len(o.starts) for o in outlines])
+    a, b = np.concatenate([outline.elements for outline in outlines]).swapaxes(0, 1)
+    body = np.repeat(np.arange(len(outlines)), [len(outline.elements) for outline in outlines])
     places, owner, along = [a, b], [], []
     for i, others in _near(a, b, body, close):
         t = _meetings(a, b, i, others, close)
@@ -100,23 +82,14 @@ def _near(a, b, body, close):
 
 def _meetings(a, b, i, other, close):
     """Return where along piece i other pieces touch or cross it, as parts of its length between 0 and 1."""
-    p, q, d = a[other], b[other], b[i] - a[i]
+    p, d, e = a[other], b[i] - a[i], b[other] - a[other]
     length = np.hypot(*d)
-    touching = np.concatenate([p, q]) - a[i]
-    on = np.abs(_cross(d, touching)) <= close * length
-    found = [touching[on] @ d / length**2]
-    e = q - p
-    slant = _cross(d, e)
-    crossing = np.abs(slant) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])
-    t = _cross(p[crossing] - a[i], e[crossing]) / slant[crossing]
-    u = _cross(p[crossing] - a[i], d) / slant[crossing]
-    found.append(t[(u >= 0.0) & (u <= 1.0)])
-    t = np.concatenate(found)
+    touching = np.concatenate([p, b[other]]) - a[i]
+    on = np.abs(cross(d, touching)) <= close * length
+    t, u = meet(a[i], d, p, e)
+    crossing = (np.abs(cross(d, e)) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])) & (u >= 0.0) & (u <= 1.0)
+    t = np.concatenate([touching[on] @ d / length**2, t[crossing]])
     return t[(t * length > close) & ((1.0 - t) * length > close)]
-
-
-def _cross(a, b):
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _merged(places, close):

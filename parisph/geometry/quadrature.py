@@ -11,7 +11,7 @@ import numpy as np
 
 from parisph.case.bodies import StillWater
 from parisph.case.shapes import Shape
-from parisph.geometry.columns import between, crossings, overlapping
+from parisph.geometry.columns import between, crossings, meet, overlapping
 from parisph.geometry.fill import Taken
 from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
@@ -82,7 +82,7 @@ def _pieces(shape, holes, others, walls, lower, upper, spacing):
 def _sides(shape, holes, walls, lower, upper):
     """Return all straight pieces that may bound the fluid, (n, 2) each, and further places [m] where it may end."""
     outlines = [outline_of(wall) for wall in walls]
-    a, b = [o.starts for o in outlines], [o.ends for o in outlines]
+    a, b = ([outline.elements[:, end] for outline in outlines] for end in (0, 1))
     for outline in outlines:
         if not outline.closed:    # an open wall continues beyond its ends
             far = 4.0 * np.linalg.norm(upper - lower) + np.abs(outline.points).max() + np.abs(lower).max()
@@ -104,11 +104,8 @@ def _meetings(a, b):
     """Return the x [m] at which pieces cross: there the height of the fluid has a kink."""
     found = [np.empty(0)]
     for i, j in overlapping(np.minimum(a, b), np.maximum(a, b)):
-        p, d, e = a[j] - a[i], b[i] - a[i], b[j] - a[j]
-        slant = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (p[:, 0] * e[:, 1] - p[:, 1] * e[:, 0]) / slant
-            u = (p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]) / slant
+        d = b[i] - a[i]
+        t, u = meet(a[i], d, a[j], b[j] - a[j])
         met = (t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0)
         found.append(a[i[met], 0] + t[met] * d[met, 0])
     return np.concatenate(found)

@@ -31,7 +31,7 @@ def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
     for number, zone in enumerate(case.absorb):
         if isinstance(zone, Relaxation) and resting:
             x = np.linspace(zone.start, zone.end, PLACES + 2)[1:-1]
-            corners = np.concatenate([np.stack([outline.starts, outline.ends], axis=1) for outline in resting])
+            corners = np.concatenate([outline.elements for outline in resting])
             yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
 
 
