@@ -22,7 +22,7 @@ from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Lid, Tank
-from parisph.geometry.fill import Filling, Taken, taken
+from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.quadrature import fluid_area
@@ -102,10 +102,10 @@ def fillings(case: Scene) -> tuple[Filling, ...]:
 
 @lru_cache(maxsize=4)
 def _fillings(fluids, walls, spacing):
-    mesh = wall_mesh(walls, spacing) if walls else None
-    return tuple(Filling(fluid.shape, walls, mesh, spacing, fluid.holes, others,
+    shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
+    return tuple(Filling(fluid.shape, walls, spacing, fluid.holes, taken(shapes, holes, number),
                          fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
-                 for fluid, others in _with_others(fluids))
+                 for number, fluid in enumerate(fluids))
 
 
 def even(case: Scene) -> bool:
@@ -123,12 +123,6 @@ def weighed(case: Scene) -> bool:
     """
     fluid = case.fluids[0]
     return len(case.fluids) == 1 and isinstance(fluid.shape, Box) and not fluid.holes and even(case)
-
-
-def _with_others(fluids: Sequence[Fluid]) -> list[tuple[Fluid, list[Taken]]]:
-    """Return each body of fluid and the other fluid to which it gives way."""
-    shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
-    return [(fluid, taken(shapes, holes, number)) for number, fluid in enumerate(fluids)]
 
 
 def counts(case: Scene) -> dict[str, int]:
@@ -151,26 +145,17 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
     For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene to look
     at; the places do not depend on it
     """
-    walls, s = standing(case), case.numerics.spacing
-    mesh = wall_mesh(walls, s) if walls else None
-    box = domain(case)
-    for fluid, others in _with_others(case.fluids):
-        low, high = np.array(lower, float), np.array(upper, float)
-        part = [low.copy(), high.copy()]
-        if fluid.raised:    # before they are raised, places may be anywhere above and below
-            part[0][-1], part[1][-1] = box[0][-1], np.inf
-        for places, volume in samples_of(fluid.shape, walls, *box, s, fluid.holes, part, others):
-            places, factor = raised(fluid, mesh, case.bounds_of(fluid), places)
-            near = np.all((places >= low) & (places < high), axis=1)
+    for fluid, fill in zip(case.fluids, fillings(case)):
+        for places, volume in samples_of(fill, *domain(case), (lower[0], upper[0])):
+            places, factor = raised(fluid, scene_mesh(case), case.bounds_of(fluid), places)
+            near = np.all((places >= lower) & (places < upper), axis=1)
             yield places[near], (volume * factor)[near]
 
 
 def volume(case: Scene) -> float:
     """Return the exact volume [m^dim] of all fluid at the start."""
-    walls, mesh, box, s = standing(case), scene_mesh(case), domain(case), case.numerics.spacing
-    return sum(fluid_area(fluid.shape, walls, *box, s, fluid.holes,
-                          lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1], others)
-               for fluid, others in _with_others(case.fluids))
+    return sum(fluid_area(fill, *domain(case), lambda x, own=fluid: raised(
+        own, scene_mesh(case), case.bounds_of(own), x)[1]) for fluid, fill in zip(case.fluids, fillings(case)))
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:

@@ -35,7 +35,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     """
     if walls and _nothing_touched(walls, spacing):
         return ["no wall touches fluid: each body lies inside another"]
-    found, mesh = [], None
+    found = []
     if walls:
         chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
         names = [body.name for body in mesh.bodies]
@@ -43,7 +43,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
         if clear:    # and all else that is said of these walls would mislead
             return clear
         found += [*_hidden(chains, walls, names), *_open_ends(chains, mesh, walls, fluids, spacing)]
-    return [*found, *_filled(walls, fluids, mesh, spacing, holes, titles)]
+    return [*found, *_filled(walls, fluids, spacing, holes, titles)]
 
 
 def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
@@ -242,22 +242,22 @@ def _is_near(fluid, x, spacing):
     return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
-def _filled(walls, fluids, mesh, spacing, holes, titles) -> Iterator[str]:
+def _filled(walls, fluids, spacing, holes, titles) -> Iterator[str]:
     """Bodies of fluid without particles, or too near to one another to be apart. They give way to those before them."""
     for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         still = isinstance(fluid, StillWater)
-        if still and mesh is None:
+        if still and not walls:
             yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
         if still and any(isinstance(other, StillWater) for other in fluids[:number]):
             yield f"{title}: there is still water before it; give one, with the higher level"
             continue
         others = taken(fluids, holes, number)
-        fill = Filling(fluid, walls, mesh, spacing, own, others)
+        fill = Filling(fluid, walls, spacing, own, others)
         if fill.count == 0:
-            if own and Filling(fluid, walls, mesh, spacing, (), others).count:
+            if own and Filling(fluid, walls, spacing, (), others).count:
                 yield f"{title}.holes: they leave none of its particles; make them smaller, or leave this fluid out"
-            elif others and Filling(fluid, walls, mesh, spacing, own).count:
+            elif others and Filling(fluid, walls, spacing, own).count:
                 yield f"{title} ({fluid.kind}): it has no particles, because it lies in other fluid; leave it out"
             else:
                 yield (f"{title} ({fluid.kind}): it has no particles: it is thinner than a spacing, or behind the "

@@ -17,6 +17,7 @@ from parisph.case.shapes import Box, Tank
 from parisph.geometry import feasible, probe_places, wave_places
 from parisph.geometry.build import counts, domain, fillings, has_surface, volume
 from parisph.geometry.encounters import Encounter, encounters
+from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.quadrature import fluid_area
@@ -181,7 +182,7 @@ def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
         return
     tank, s = case.tank, case.numerics.spacing
     top, width = float(tank.bounds[1][1]), tank.width
-    if fluid_area(StillWater(level=top), walls, *domain(case), s) - volume(case) < 0.5 * s * width:
+    if fluid_area(Filling(StillWater(level=top), walls, s), *domain(case)) - volume(case) < 0.5 * s * width:
         yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
                f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
                f"{s:g} m")

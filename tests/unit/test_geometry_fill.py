@@ -19,7 +19,7 @@ TRIANGLE = Polygon([(0.32, 0.1), (1.9, 0.4), (0.8, 0.9), (0.7, 0.45)])
 
 
 def filling(shape, *walls, spacing=S, holes=()):
-    return Filling(shape, walls, wall_mesh(walls, spacing) if walls else None, spacing, holes)
+    return Filling(shape, walls, spacing, holes)
 
 
 def by_looking(fill, walls, spacing=S):
@@ -132,9 +132,9 @@ def test_levels_out_of_the_ordinary(level, count):
 def test_a_rank_of_many_holds_its_own_share_only():
     s = 0.002
     walls = [Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 1.1)])]
-    mesh = wall_mesh(walls, s)
+    wall_mesh(walls, s)
     tracemalloc.start()
-    fill = Filling(StillWater(0.9), walls, mesh, s)
+    fill = Filling(StillWater(0.9), walls, s)
     mine = fill.indices(fill.count // 2, fill.count // 2 + 1000)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
