@@ -5,7 +5,6 @@ run: each place is looked at once, however often it is passed. Two that both mov
 on by no more than half of what is between them, so that nothing is missed.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -52,8 +51,8 @@ def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: floa
             if wall.motion == beside.motion or isinstance(wall.motion, AtRest):
                 continue
             if isinstance(beside.motion, AtRest) or one < other:
-                pair = _Pair.of(wall, beside, spacing, stop)
-                met = _apart(pair) if pair.distance(0.0)[0] > CONTACT * spacing else _together(pair)
+                pair = _Pair(wall, beside, spacing, stop)
+                met = _apart(pair) if distance_between(*pair.pose(0.0))[0] > CONTACT * spacing else _together(pair)
                 if met is not None and met[0] < below:
                     distance, u, at = met
                     found.append(Encounter(one, other, distance, at, pair.when(u),
@@ -61,48 +60,38 @@ def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: floa
     return tuple(found)
 
 
-@dataclass(frozen=True)
 class _Pair:
-    """Two bodies that move against each other.
+    """Two bodies that move against each other, followed by the law of the first, or by the time if both move.
 
-    pose : their outlines at a value of what they are followed by; ends : the values up to which, from 0; speed : how
-    far their points move against each other per unit of it [m]; when : the time [s] of a value; timed : whether it is
-    the time
+    ends : the values up to which they are followed, from 0; speed : how far their points move against each other per
+    unit of it [m]; timed : whether it is the time
     """
 
-    pose: Callable[[float], tuple[Outline, Outline]]
-    ends: tuple[float, ...]
-    speed: float
-    when: Callable[[float], float]
-    timed: bool
-    spacing: float
-    walls: tuple[Wall, Wall]
+    def __init__(self, one: Wall, other: Wall, spacing: float, stop: float) -> None:
+        self.walls, self.outlines, self.spacing = (one, other), (outline_of(one), outline_of(other)), spacing
+        self.timed = not isinstance(other.motion, AtRest)
+        arms = [_arm(wall.motion, outline) for wall, outline in zip(self.walls, self.outlines)]
+        if self.timed:
+            self.ends: tuple[float, ...] = (stop,)
+            self.speed = 1.2 * sum(wall.motion.top_rate * arm for wall, arm in zip(self.walls, arms))
+        else:
+            self._course = course(one.motion, stop)
+            self.ends, self.speed = (float(self._course[1].max()), float(self._course[1].min())), arms[0]
 
-    @classmethod
-    def of(cls, one: Wall, other: Wall, spacing: float, stop: float) -> "_Pair":
-        a, b = outline_of(one), outline_of(other)
-        if isinstance(other.motion, AtRest):
-            times, values = course(one.motion, stop)
-            return cls(lambda u: (_moved(a, one.motion, u), b), (float(values.max()), float(values.min())),
-                       _arm(one.motion, a), lambda u: _first(times, values, u), False, spacing, (one, other))
-        speed = 1.2 * sum(wall.motion.top_rate * _arm(wall.motion, outline)
-                          for wall, outline in ((one, a), (other, b)))
-        return cls(lambda u: (_moved(a, one.motion, one.motion.law(u)[0]), _moved(b, other.motion,
-                   other.motion.law(u)[0])), (stop,), speed, lambda u: u, True, spacing, (one, other))
+    def when(self, u: float) -> float:
+        """Return the first time [s] of a value."""
+        return u if self.timed else _first(*self._course, u)
 
-    def distance(self, u: float) -> tuple[float, Floats]:
-        """Return how far the bodies are apart [m], 0 if they cross, and where."""
-        a, b = self.pose(u)
-        return distance_between(a, b)
+    def placed(self, k: int, x: Floats, u: float) -> Floats:
+        """Return where points x (n, 2) [m] of one of the bodies are at a value."""
+        motion = self.walls[k].motion
+        return motion.placed(x, u) if self.timed else x if k else motion.placed_by(x, u)
 
-    def steps(self, length: float) -> Iterator[float]:
-        """Yield values, in both directions from 0, between which points move by about a length [m]."""
-        for end in self.ends:
-            yield from np.linspace(0.0, end, 2 + min(int(abs(end) * self.speed / length), DIVIDED))
-
-
-def _moved(outline: Outline, motion: Motion, value: float) -> Outline:
-    return replace(outline, points=motion.placed_by(outline.points, value))
+    def pose(self, u: float) -> tuple[Outline, Outline]:
+        """Return the outlines at a value."""
+        one, other = (replace(outline, points=self.placed(k, outline.points, u))
+                      for k, outline in enumerate(self.outlines))
+        return one, other
 
 
 def _arm(motion: Motion, outline: Outline) -> float:
@@ -151,7 +140,7 @@ def _apart(pair: _Pair) -> tuple[float, float, Floats] | None:
         u, best = 0.0, (np.inf, 0.0, np.zeros(2))
         shortest = abs(end) / MOST if pair.timed else 0.0
         while True:
-            distance, at = pair.distance(u)
+            distance, at = distance_between(*pair.pose(u))
             if distance < best[0]:
                 best = distance, u, at
             if distance < close or u == end:
@@ -167,19 +156,21 @@ def _together(pair: _Pair) -> tuple[float, float, Floats] | None:
 
     They reach each other where one gets into the other that was not in it. What slides along another does not.
     """
-    first = pair.pose(0.0)
-    checks = [(k, _places(first[k].elements, pair.spacing)) for k in _solid_against(pair)]
-    kept = [(k, places[~_behind(places, first[1 - k], pair.spacing)]) for k, places in checks]
-    # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
-    kept = [(k, places) for k, places in kept if k == 0 or len(places) == len(dict(checks)[k])]
-    found = []
-    for u in pair.steps(0.5 * pair.spacing):
-        pose = pair.pose(u)
-        for k, places in kept:
-            at = places if k and not pair.timed else _carried(places, pair.walls[k].motion, u, pair.timed)
-            inside = _behind(at, pose[1 - k], pair.spacing)
-            if inside.any():
-                found.append((0.0, u, at[inside][0]))
+    first, kept, found = pair.pose(0.0), [], []
+    for k in _solid_against(pair):
+        places = _places(first[k].elements, pair.spacing)
+        behind = _behind(places, first[1 - k], pair.spacing)
+        # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
+        if k == 0 or not behind.any():
+            kept.append((k, places[~behind]))
+    for end in pair.ends:
+        for u in np.linspace(0.0, end, 2 + min(int(2.0 * abs(end) * pair.speed / pair.spacing), DIVIDED)).tolist():
+            pose = pair.pose(u)
+            for k, places in kept:
+                at = pair.placed(k, places, u)
+                inside = _behind(at, pose[1 - k], pair.spacing)
+                if inside.any():
+                    found.append((0.0, u, at[inside][0]))
     if found:
         return min(found, key=lambda met: pair.when(met[1]))
     return min((_squeezed(pair, u) for u in pair.ends), key=lambda met: met[0])
@@ -200,10 +191,6 @@ def _solid_against(pair: _Pair) -> list[int]:
     """Return which of the two bodies may get into the other: a plate has no inside, and behind a face is its bed."""
     thin = [isinstance(wall, (Plate, Profile)) for wall in pair.walls]
     return [k for k in (0, 1) if not isinstance(pair.walls[1 - k], Plate) and (k == 0 or not thin[0])]
-
-
-def _carried(places: Floats, motion: Motion, u: float, timed: bool) -> Floats:
-    return motion.placed(places, u) if timed else motion.placed_by(places, u)
 
 
 def _places(elements: Floats, spacing: float) -> Floats:

@@ -42,7 +42,7 @@ class Rim:
         up = x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
         rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), self.left, self.right)
-        gone: Flags = np.where(up >= rim, beyond > OUTSIDE * spacing, (beyond > 0.0) & (up > rim - BELOW * spacing))
+        gone = _over(up, rim, beyond, spacing)
         behind: Flags = (beyond > reach) | (up < self.lower[-1] - reach)
         if not np.isfinite(self.left):
             return gone | behind, np.zeros_like(gone)
@@ -71,9 +71,13 @@ class Face:
         """Return which points x (n, 2) [m] have gone over its top at a time [s]."""
         x = self.motion.placed_by(x, -self.motion.law(t)[0])
         beyond = (x[:, 0] - self.place) * (1.0 if self.fluid_on_left else -1.0)
-        gone: Flags = np.where(x[:, 1] >= self.top, beyond > OUTSIDE * spacing,
-                               (beyond > 0.0) & (x[:, 1] > self.top - BELOW * spacing))
-        return gone
+        return _over(x[:, 1], self.top, beyond, spacing)
+
+
+def _over(up: Floats, top: Floats | float, beyond: Floats, spacing: float) -> Flags:
+    """Return which points at heights `up` (n,) [m] and so far beyond a side (n,) [m] are out over its top [m]."""
+    gone: Flags = np.where(up >= top, beyond > OUTSIDE * spacing, (beyond > 0.0) & (up > top - BELOW * spacing))
+    return gone
 
 
 def rim_of(case: Scene) -> Rim | None:

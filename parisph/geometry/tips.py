@@ -20,7 +20,7 @@ from parisph.case.bodies import Obstacle
 from parisph.case.shapes import Polygon
 from parisph.geometry.columns import overlapping
 from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import chains_of
+from parisph.geometry.mesh import chains_of, places_along, reaches
 from parisph.geometry.outline import Wall
 from parisph.geometry.polygons import CLOSE, Chain
 
@@ -124,14 +124,14 @@ def _apart(one: Floats, other: Floats, spacing: float) -> tuple[Floats, Floats, 
     Both are followed as far as each other.
     """
     sides = one, other
-    reach = [np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(side, axis=0), axis=1))]) for side in sides]
+    reach = [reaches(side) for side in sides]
     along = np.linspace(0.0, min(length[-1] for length in reach), PLACES)
-    across = np.linalg.norm(_at(one, reach[0], along) - _at(other, reach[1], along), axis=1)
+    across = np.linalg.norm(places_along(one, reach[0], along) - places_along(other, reach[1], along), axis=1)
     wide = np.flatnonzero(across >= WIDTH * spacing)
     if not wide.size or wide[0] == 0:
         return None
     far = float(along[wide[0]])
-    back, ahead = (np.concatenate([side[length < far - CLOSE * spacing], _at(side, length, np.array([far]))])
+    back, ahead = (np.concatenate([side[length < far - CLOSE * spacing], places_along(side, length, np.array([far]))])
                    for side, length in zip(sides, reach))
     return back, ahead, far
 
@@ -155,7 +155,3 @@ def _side(chain: Chain, first: int, step: int, start: Floats, spacing: float) ->
             break
     return np.array(found)
 
-
-def _at(side: Floats, reach: Floats, along: Floats) -> Floats:
-    """Return the places (n, 2) [m] at distances (n,) [m] along a side."""
-    return np.stack([np.interp(along, reach, side[:, axis]) for axis in range(2)], axis=1)
