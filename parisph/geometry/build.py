@@ -24,10 +24,10 @@ from parisph.case.schema import Case
 from parisph.case.shapes import Box, Lid, Tank
 from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import lowered, raised
+from parisph.geometry.solid import in_fluid, solid_of
 from parisph.geometry.standing import standing
 
 CHUNK = 2**18   # particles looked at in one go; bounds the memory of a large scene
@@ -221,7 +221,7 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
         return case.fluid_bounds
     lower, upper = (corner.copy() for corner in case.wall_bounds)
     for wall in standing(case):
-        x = outline_of(wall).points
+        x = solid_of(wall).points
         for value in _visited(wall.motion, case.end_time):
             at = wall.motion.placed_by(x, value)
             lower, upper = np.minimum(lower, at.min(axis=0)), np.maximum(upper, at.max(axis=0))
@@ -313,18 +313,18 @@ def _roles(case, walls, x, normal, edge):
 
     Dry are also nodes behind another body, as those of a bed behind a piston, and convex edges, which carry no row.
     """
-    s, outlines = case.numerics.spacing, [outline_of(wall) for wall in walls]
+    s = case.numerics.spacing
 
     def held(at: Floats) -> Array:
         return np.any([fill.holds(lowered(fluid, at)) for fluid, fill in zip(case.fluids, fillings(case))], axis=0)
 
     before = x + LIFT * s * normal
-    wet, free = held(x) & in_fluid(outlines, before), np.zeros(len(x), dtype=bool)
+    wet, free = held(x) & in_fluid(walls, before), np.zeros(len(x), dtype=bool)
     for axis in range(x.shape[1]):
         for side in (-1.0, 1.0):
             beside = before + side * BESIDE * s * np.eye(x.shape[1])[axis]
             in_front = side * normal[:, axis] > -LIFT    # not on the other side of a plate
-            free |= ~held(beside) & in_fluid(outlines, beside) & in_front
+            free |= ~held(beside) & in_fluid(walls, beside) & in_front
     role = np.where(wet, np.where(free, CONTACT, WET), DRY)
     return np.where(edge == CONVEX, DRY, role).astype(np.int8)
 

@@ -1,4 +1,4 @@
-"""Distance of points from elements, and on which side of them they lie. 2D and 3D.
+"""Normals of elements, distance of points from them, and on which side of them they lie. 2D and 3D.
 
 Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out
 the boxes that are farther away than something they have seen. So a point looks at a few boxes on each level only.
@@ -7,12 +7,26 @@ the boxes that are farther away than something they have seen. So a point looks 
 import numpy as np
 
 from parisph.geometry.columns import meet
-from parisph.geometry.mesh import area_vectors, unit_normals
 
 CHUNK = 2**16      # points that go down the tree together
 PAIRS = 2**20      # of a point and an element that are looked at in one go
 TIE = 1e-9         # of a distance: elements as near as that are equally near
 BITS = 10          # of the place of an element along each axis, in the order along a curve through all places
+
+
+def area_vectors(corners: np.ndarray) -> np.ndarray:
+    """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
+    along = corners[:, 1] - corners[:, 0]
+    if corners.shape[2] == 2:
+        return np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
+    return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
+
+
+def unit_normals(corners: np.ndarray) -> np.ndarray:
+    """Return the unit normals (M, dim) of elements (M, dim, dim)."""
+    normal = area_vectors(corners)
+    unit: np.ndarray = normal / np.linalg.norm(normal, axis=1)[:, None]
+    return unit
 
 
 def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

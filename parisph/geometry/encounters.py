@@ -14,9 +14,8 @@ from parisph.base.arrays import Floats
 from parisph.case.bodies import Plate, Profile
 from parisph.case.motion import AtRest, Motion, Rotation, course
 from parisph.geometry.columns import meet
-from parisph.geometry.distance import across, nearest
-from parisph.geometry.mesh import unit_normals
-from parisph.geometry.outline import Outline, Wall, outline_of
+from parisph.geometry.distance import across, nearest, unit_normals
+from parisph.geometry.solid import Solid, Wall, solid_of
 
 CONTACT = 0.25    # spacings: walls that are nearer touch; so far behind a wall another is in it
 MOST = 5000       # places at which two walls that both move are looked at
@@ -68,7 +67,7 @@ class _Pair:
     """
 
     def __init__(self, one: Wall, other: Wall, spacing: float, stop: float) -> None:
-        self.walls, self.outlines, self.spacing = (one, other), (outline_of(one), outline_of(other)), spacing
+        self.walls, self.outlines, self.spacing = (one, other), (solid_of(one), solid_of(other)), spacing
         self.timed = not isinstance(other.motion, AtRest)
         arms = [_arm(wall.motion, outline) for wall, outline in zip(self.walls, self.outlines)]
         if self.timed:
@@ -87,14 +86,14 @@ class _Pair:
         motion = self.walls[k].motion
         return motion.placed(x, u) if self.timed else x if k else motion.placed_by(x, u)
 
-    def pose(self, u: float) -> tuple[Outline, Outline]:
+    def pose(self, u: float) -> tuple[Solid, Solid]:
         """Return the outlines at a value."""
         one, other = (replace(outline, points=self.placed(k, outline.points, u))
                       for k, outline in enumerate(self.outlines))
         return one, other
 
 
-def _arm(motion: Motion, outline: Outline) -> float:
+def _arm(motion: Motion, outline: Solid) -> float:
     """Return by how much points move for a unit of the law: 1, or the arm [m] of a rotation."""
     if not isinstance(motion, Rotation):
         return 1.0
@@ -111,7 +110,7 @@ def _first(times: Floats, values: Floats, value: float) -> float:
     return float(times[k - 1] + np.clip(share, 0.0, 1.0) * (times[k] - times[k - 1]))
 
 
-def distance_between(a: Outline, b: Outline) -> tuple[float, Floats]:
+def distance_between(a: Solid, b: Solid) -> tuple[float, Floats]:
     """Return the distance of two outlines [m], 0 where pieces cross, and the place (2,) [m]."""
     p, q = a.elements[:, 0], b.elements[:, 0]
     d, e = a.elements[:, 1] - p, b.elements[:, 1] - q
@@ -159,7 +158,7 @@ def _together(pair: _Pair) -> tuple[float, float, Floats] | None:
     first, kept, found = pair.pose(0.0), [], []
     for k in _solid_against(pair):
         places = _places(first[k].elements, pair.spacing)
-        behind = _behind(places, first[1 - k], pair.spacing)
+        behind = first[1 - k].depth(places) > CONTACT * pair.spacing
         # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
         if k == 0 or not behind.any():
             kept.append((k, places[~behind]))
@@ -168,7 +167,7 @@ def _together(pair: _Pair) -> tuple[float, float, Floats] | None:
             pose = pair.pose(u)
             for k, places in kept:
                 at = pair.placed(k, places, u)
-                inside = _behind(at, pose[1 - k], pair.spacing)
+                inside = pose[1 - k].depth(at) > CONTACT * pair.spacing
                 if inside.any():
                     found.append((0.0, u, at[inside][0]))
     if found:
@@ -202,16 +201,7 @@ def _places(elements: Floats, spacing: float) -> Floats:
     return np.concatenate(found)
 
 
-def _behind(x: Floats, outline: Outline, spacing: float) -> np.ndarray:
-    """Return which points (n, 2) [m] are behind an outline by more than CONTACT, (n,) bool."""
-    behind = ~outline.in_front(x)
-    if behind.any():
-        far, _, _ = nearest(x[behind], outline.elements)
-        behind[behind] = far > CONTACT * spacing
-    return behind
-
-
-def _facing(a: Outline, b: Outline, spacing: float) -> tuple[Floats, Floats]:
+def _facing(a: Solid, b: Solid, spacing: float) -> tuple[Floats, Floats]:
     """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one outline to the other, where this
     faces it, inf elsewhere, and these places."""
     places = [_places(element[None], spacing) for element in a.elements]

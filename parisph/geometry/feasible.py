@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from parisph.base.text import rounded_down
-from parisph.case.bodies import Obstacle, Profile, StillWater
+from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
-from parisph.geometry.distance import across, nearest, on_segments
+from parisph.geometry.distance import across, area_vectors, nearest, on_segments, unit_normals
 from parisph.geometry.encounters import distance_between
 from parisph.geometry.fill import Filling, taken
-from parisph.geometry.mesh import WallMesh, area_vectors, chains_of, motion_numbers, stretches, unit_normals, wall_mesh
-from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area, way_beyond
+from parisph.geometry.mesh import WallMesh, chains_of, motion_numbers, stretches, wall_mesh
 from parisph.geometry.polygons import Chain
+from parisph.geometry.solid import Wall, in_fluid, signed_area, solid_of, way_beyond
 from parisph.geometry.tips import Filled
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
@@ -109,7 +109,7 @@ def _thin(walls, names, spacing) -> Iterator[str]:
     """Solids too thin to tell their inside from the fluid."""
     for wall, name in zip(walls, names):
         if isinstance(wall, Obstacle) and not isinstance(wall, Filled):
-            thick = _thickness(outline_of(wall))
+            thick = _thickness(solid_of(wall))
             if thick < (1.0 - ROUNDING) * THIN * spacing:
                 yield (f"walls, {name}: is {thick:.2g} m thick, {thick / spacing:.2g} spacings, must be at least "
                        f"{THIN:g}, {THIN * spacing:.2g} m; give a Plate, which has no thickness, make it thicker, or "
@@ -124,7 +124,7 @@ def _thickness(outline):
 
 def _parted(walls, names, spacing) -> Iterator[str]:
     """Profiles that end at one place or in one line, but lie behind each other, as each goes on beyond its ends."""
-    profiles = [(wall, name, outline_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
+    profiles = [(wall, name, solid_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
     for number, (wall, name, one) in enumerate(profiles):
         for beside, also, other in profiles[number + 1 :]:
             pairs = [(p, q) for p in (one, one[::-1]) for q in (other, other[::-1])] if (
@@ -132,7 +132,7 @@ def _parted(walls, names, spacing) -> Iterator[str]:
             for (end, back), (start, on) in ((p[:2], q[:2]) for p, q in pairs):
                 if np.linalg.norm(start - end) < 1e-6 * spacing:
                     middles = 0.5 * np.array([[end + on], [start + back]])
-                    if not all(outline_of(w).in_front(x)[0] for w, x in zip((wall, beside), middles)):
+                    if not all(solid_of(w).in_front(x)[0] for w, x in zip((wall, beside), middles)):
                         yield (f"walls, {name} and {also}: both end at {_at(end)}, and each goes on straight beyond "
                                "its end, where the other lies; give them as one Profile, or correct the side of their "
                                "fluid")
@@ -157,7 +157,7 @@ def _hidden(chains, walls, names) -> Iterator[str]:
 def _turned_in(walls, names) -> Iterator[str]:
     """Profiles that would meet themselves however they go on beyond their ends."""
     for wall, name in zip(walls, names):
-        if isinstance(wall, Profile) and way_beyond(outline_of(wall).points) is None:
+        if isinstance(wall, Profile) and way_beyond(solid_of(wall).points) is None:
             yield (f"walls, {name}: its ends lead back to it, so that neither side is outside; lead both ends up above "
                    "the water beside each other, or give an Obstacle(Polygon(...)), which is closed")
 
@@ -224,9 +224,9 @@ def _open_ends(chains, mesh, walls, fluids, spacing) -> Iterator[str]:
     What moves may have gaps beside it; what is behind it has no fluid.
     """
     tops = [fluid.level if isinstance(fluid, StillWater) else fluid.bounds[1][1] for fluid in fluids]
-    top, outlines = max(tops, default=-np.inf), [outline_of(wall) for wall in walls]
+    top = max(tops, default=-np.inf)
     moving = np.array(motion_numbers(walls)) != 0
-    movers = [outline for outline, moves in zip(outlines, moving) if moves]
+    movers = [wall for wall, moves in zip(walls, moving) if moves]
     for chain in chains:
         if chain.closed or moving[chain.body].any():
             continue
@@ -270,11 +270,11 @@ def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
     """Bodies of fluid that are less than a spacing apart: their particles would be nearer than that."""
     if isinstance(fluids[number], StillWater):
         return
-    one = outline_of(Obstacle(shape=fluids[number]))
+    one = solid_of(Obstacle(shape=fluids[number]))
     for other, title in zip(fluids[:number], titles):
         if isinstance(other, StillWater) or _boxes_apart(fluids[number], other, spacing):
             continue
-        beside = outline_of(Obstacle(shape=other))
+        beside = solid_of(Obstacle(shape=other))
         gap, at = distance_between(one, beside)
         at = sum(nearest(at[None], outline.elements)[2][0] for outline in (one, beside)) / 2.0
         within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])
@@ -292,6 +292,5 @@ def _boxes_apart(one, other, spacing):
 
 def _wall_at(walls, at, gap):
     """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
-    outlines = [outline_of(wall) for wall in walls]
-    return not in_fluid(outlines, at[None])[0] or any(
-        nearest(at[None], outline.elements)[0][0] < gap for outline in outlines if outline.two_sided)
+    return not in_fluid(walls, at[None])[0] or any(
+        nearest(at[None], solid_of(wall).elements)[0][0] < gap for wall in walls if isinstance(wall, Plate))

@@ -12,9 +12,9 @@ from parisph.case.bodies import StillWater
 from parisph.case.lattice import FIT, STRETCH, Lattice
 from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import area_vectors, wall_mesh
-from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, nearest
+from parisph.geometry.mesh import wall_mesh
+from parisph.geometry.solid import Wall, corners_of, in_fluid
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
 # The same on the surface where nothing is below: nearer to a slope of 15 degrees, its last particle slides off, by a
@@ -56,7 +56,6 @@ class Filling:
     Attributes
     ----------
     origin, step : (2,) [m]; still water hangs from its level, other shapes begin where those of case.lattice do
-    outlines : of the walls
     count : number of points
     even : whether they lie on the lattice of the tank, which is the only wall, or there is no wall
     """
@@ -66,7 +65,7 @@ class Filling:
         mesh = wall_mesh(walls, spacing) if walls else None
         self._rise = rise
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
-        self.outlines = [outline_of(wall) for wall in walls]
+        self.walls = tuple(walls)
         tank = next((wall for wall in walls if isinstance(wall, Tank)), None)
         self.even = not walls
         self.origin, self.step, first, last = self._frame(tank, mesh, len(walls))
@@ -79,7 +78,7 @@ class Filling:
         kept = end >= begin
         line, begin, end = line[kept], begin[kept], end[kept]
         middle = np.stack([line + first[0], (begin + end) // 2], axis=1)
-        kept = in_fluid(self.outlines, self.position(middle))
+        kept = in_fluid(walls, self.position(middle))
         if mesh is not None and isinstance(shape, StillWater):
             kept &= ~self._in_tip(middle, begin, end, mesh)
         self._line, self._begin = line[kept], begin[kept]
@@ -225,7 +224,7 @@ class Filling:
         for other, holes in self.others:
             found &= ~other.inside(x, 0.0) | np.any([np.zeros(len(x), bool), *(hole.inside(x, 0.0) for hole in holes)],
                                                     axis=0)
-        found[found] = in_fluid(self.outlines, x[found])
+        found[found] = in_fluid(self.walls, x[found])
         return found
 
 

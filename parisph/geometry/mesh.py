@@ -16,8 +16,9 @@ from parisph.case.lattice import Lattice
 from parisph.case.motion import AtRest, Motion
 from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
-from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.distance import area_vectors
 from parisph.geometry.polygons import CLOSE, Chain, joined
+from parisph.geometry.solid import Wall, solid_of
 
 SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
 # By which a smooth line turns in an element at most, so that a disc has eight: with three to six, still water beside
@@ -81,21 +82,6 @@ def no_mesh(dim: int) -> WallMesh:
                     numbers)
 
 
-def area_vectors(corners: np.ndarray) -> np.ndarray:
-    """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
-    along = corners[:, 1] - corners[:, 0]
-    if corners.shape[2] == 2:
-        return np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
-    return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
-
-
-def unit_normals(corners: np.ndarray) -> np.ndarray:
-    """Return the unit normals (M, dim) of elements (M, dim, dim)."""
-    normal = area_vectors(corners)
-    unit: np.ndarray = normal / np.linalg.norm(normal, axis=1)[:, None]
-    return unit
-
-
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     """Return the mesh of the walls of a scene (2D), each in its own frame, as at t = 0.
 
@@ -138,7 +124,7 @@ def _chains_of(walls, spacing):
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)
-        for chain in joined([outline_of(walls[k]) for k in members], spacing):
+        for chain in joined([solid_of(walls[k]) for k in members], spacing):
             chains.append(replace(chain, body=members[chain.body]))
     return tuple(chains)
 

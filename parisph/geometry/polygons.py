@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.geometry.columns import cross, meet, overlapping
-from parisph.geometry.outline import Outline
+from parisph.geometry.solid import Solid
 
 CLOSE = 1e-6    # spacings: points nearer than this are one
 
@@ -32,7 +32,7 @@ class Chain:
     closed: bool
 
 
-def joined(outlines: Sequence[Outline], spacing: float) -> list[Chain]:
+def joined(outlines: Sequence[Solid], spacing: float) -> list[Chain]:
     """Return the chains that the fluid between all outlines touches.
 
     outlines : of bodies number 0, 1, ... that do not move against each other; spacing : [m]

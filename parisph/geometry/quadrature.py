@@ -12,7 +12,7 @@ import numpy as np
 from parisph.case.bodies import StillWater
 from parisph.geometry.columns import between, crossings, meet, overlapping
 from parisph.geometry.fill import Filling
-from parisph.geometry.outline import corners_of
+from parisph.geometry.solid import corners_of, solid_of
 
 FINE = 8          # pieces of a spacing
 CHUNK = 2**18     # pieces that are looked at in one go
@@ -69,8 +69,9 @@ def _pieces(fill, lower, upper):
 
 def _sides(fill, lower, upper):
     """Return all straight pieces that may bound the fluid, (n, 2) each, and further places [m] where it may end."""
-    pieces = [outline.elements for outline in fill.outlines]
-    for outline in fill.outlines:
+    solids = [solid_of(wall) for wall in fill.walls]
+    pieces = [solid.elements for solid in solids]
+    for outline in solids:
         if not outline.closed:    # an open wall continues beyond its ends
             far = 4.0 * np.linalg.norm(upper - lower) + np.abs(outline.points).max() + np.abs(lower).max()
             for end, way in zip(outline.points[[0, -1]], outline.ways):

@@ -9,7 +9,7 @@ from parisph.case.bodies import Flap, Piston, Profile
 from parisph.case.motion import AtRest, Motion
 from parisph.case.scene import Scene
 from parisph.case.shapes import Tank
-from parisph.geometry.outline import outline_of
+from parisph.geometry.solid import solid_of
 from parisph.geometry.standing import standing
 
 OUTSIDE = 0.5    # spacings beyond a side wall, from where on water above the rim has left
@@ -90,7 +90,7 @@ def rim_of(case: Scene) -> Rim | None:
     walls = holders or [wall for wall, _ in pairs]
     resting = [wall for wall in walls if isinstance(wall.motion, AtRest)]
     motion = resting[0].motion if resting else walls[0].motion
-    x = np.concatenate([outline_of(wall).points for wall in walls if wall.motion == motion])
+    x = np.concatenate([solid_of(wall).points for wall in walls if wall.motion == motion])
     lower, upper, s = x.min(axis=0), x.max(axis=0), case.numerics.spacing
     left, right = (float(x[side, -1].max()) if holders else -np.inf
                    for side in (x[:, 0] < lower[0] + s, x[:, 0] > upper[0] - s))

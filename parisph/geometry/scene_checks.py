@@ -19,8 +19,8 @@ from parisph.geometry.build import counts, domain, fillings, has_surface, volume
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
-from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.quadrature import fluid_area
+from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
@@ -129,7 +129,7 @@ def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
     if not isinstance(maker, (Piston, Flap)) or not isinstance(other, (Tank, Profile)):
         return ""
     on_left, values = maker.fluid_on_left, course(face.motion, case.end_time)[1]
-    x = np.concatenate([face.motion.placed_by(outline_of(face).points, value)[:, 0]
+    x = np.concatenate([face.motion.placed_by(solid_of(face).points, value)[:, 0]
                         for value in (values.min(), values.max())])
     (low, bottom), (high, top) = other.bounds
     if on_left:

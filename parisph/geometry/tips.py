@@ -21,8 +21,8 @@ from parisph.case.shapes import Polygon
 from parisph.geometry.columns import overlapping
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import chains_of, places_along, reaches
-from parisph.geometry.outline import Wall
 from parisph.geometry.polygons import CLOSE, Chain
+from parisph.geometry.solid import Wall
 
 SHARP = np.radians(30.0)    # angle of the fluid below which its tip is filled: at 28 degrees water rests, at 21 not
 WIDTH = 0.75     # spacings across the end of what is filled: for particles, and not shorter than elements should be

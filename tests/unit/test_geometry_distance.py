@@ -8,9 +8,9 @@ import pytest
 from parisph import Box, Disc, Polygon, Tank
 from parisph.case.bodies import Obstacle, Plate, Profile
 from parisph.case.lattice import Lattice
-from parisph.geometry.distance import heights, nearest
-from parisph.geometry.mesh import area_vectors, block_mesh, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, heights, nearest
+from parisph.geometry.mesh import block_mesh, wall_mesh
+from parisph.geometry.solid import in_fluid
 from tests.distances import signed_distance
 
 S = 0.05
@@ -41,7 +41,7 @@ def test_sign_is_that_of_the_outlines(scene):
     x = x[x[:, 1] < 0.99]    # higher up an open wall ends, and the nearest element of another decides
     signed = signed_distance(x, corners)
     off = np.abs(signed) > 0.1 * S    # a disc of chords has another edge
-    np.testing.assert_array_equal(signed[off] > 0.0, in_fluid([outline_of(wall) for wall in walls], x)[off])
+    np.testing.assert_array_equal(signed[off] > 0.0, in_fluid(walls, x)[off])
     assert np.count_nonzero(off) > 3000
 
 
@@ -110,4 +110,4 @@ def test_any_pile_of_boxes_is_one_solid(seed):
         walls.append(Obstacle(Polygon([tuple(corner) for corner in corners.tolist()])))
     x = rng.uniform([-0.1, -0.1], [3.1, 1.99], (1500, 2))
     signed = signed_distance(x, wall_mesh(walls, S).corners())
-    np.testing.assert_array_equal(signed > 0.0, in_fluid([outline_of(wall) for wall in walls], x))
+    np.testing.assert_array_equal(signed > 0.0, in_fluid(walls, x))

@@ -12,7 +12,7 @@ from parisph.geometry.columns import near_pieces, union
 from parisph.geometry.distance import nearest
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.solid import in_fluid
 
 S = 0.05
 TRIANGLE = Polygon([(0.32, 0.1), (1.9, 0.4), (0.8, 0.9), (0.7, 0.45)])
@@ -30,7 +30,7 @@ def by_looking(fill, walls, spacing=S):
     places = np.meshgrid(*[np.arange(a, b + 1) for a, b in zip(first, last)], indexing="ij")
     index = np.stack(places, axis=-1).reshape(-1, 2)
     x = fill.position(index)
-    good = in_fluid([outline_of(wall) for wall in walls], x) & fill.holds(x) & (x[:, 0] >= mesh.x0[:, 0].min()) & (
+    good = in_fluid(walls, x) & fill.holds(x) & (x[:, 0] >= mesh.x0[:, 0].min()) & (
         x[:, 0] <= mesh.x0[:, 0].max())
     good &= nearest(x, mesh.corners())[0] >= (0.5 - 1e-6) * spacing
     return index[good]

@@ -11,8 +11,9 @@ from parisph.base.fields import WALL
 from parisph.case.bodies import Obstacle, Plate, Profile
 from parisph.case.lattice import Lattice
 from parisph.geometry.build import build
-from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, area_vectors, block_mesh, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.distance import area_vectors
+from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, block_mesh, wall_mesh
+from parisph.geometry.solid import in_fluid, solid_of
 
 S = 0.1
 
@@ -33,10 +34,9 @@ def check_sides(mesh, walls, off=0.01):
     length = np.linalg.norm(vectors, axis=1)
     assert length.max() < 1.5 * S
     middle, unit = corners.mean(axis=1), vectors / length[:, None]
-    outlines = [outline_of(wall) for wall in walls]
-    assert in_fluid(outlines, middle + off * S * unit).all()
-    solid = np.array([not outlines[number].two_sided for number in mesh.element_body])
-    assert not in_fluid(outlines, middle - off * S * unit)[solid].any()
+    assert in_fluid(walls, middle + off * S * unit).all()
+    solid = np.array([not solid_of(walls[number]).two_sided for number in mesh.element_body])
+    assert not in_fluid(walls, middle - off * S * unit)[solid].any()
     np.testing.assert_allclose(np.linalg.norm(mesh.normal0, axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(mesh.area.sum(), length.sum(), rtol=1e-12)
 
@@ -205,11 +205,11 @@ def test_bodies_that_leave_no_wall_are_refused():
 
 
 def test_inside_of_every_open_outline():
-    beach = outline_of(Profile([(0.0, 0.0), (5.0, 0.0), (10.0, 1.0)]))
+    beach = solid_of(Profile([(0.0, 0.0), (5.0, 0.0), (10.0, 1.0)]))
     x = np.array([(-3.0, 0.5), (5.0, 5.0), (9.0, 0.9), (9.0, 0.7), (12.0, 1.3), (12.0, 1.5), (-3.0, -0.1)])
     assert beach.in_front(x).tolist() == [True, True, True, False, False, True, False]
-    tank = outline_of(Tank(2.0, 1.0))
+    tank = solid_of(Tank(2.0, 1.0))
     x = np.array([(1.0, 0.5), (1.0, 7.0), (0.01, 1.0), (-0.01, 1.0), (1.0, -0.1), (3.0, 9.0)])
     assert tank.in_front(x).tolist() == [True, True, True, False, False, False]
-    wall = outline_of(Profile([(1.0, 0.0), (1.0, 2.0)], side="left"))
+    wall = solid_of(Profile([(1.0, 0.0), (1.0, 2.0)], side="left"))
     assert wall.in_front(np.array([(0.0, 1.0), (2.0, 1.0), (0.9, 8.0)])).tolist() == [True, False, True]

@@ -13,10 +13,10 @@ from parisph.case import probe_checks
 from parisph.case.bodies import Plate
 from parisph.case.probes import WIDTH, Measure, OfPressure
 from parisph.case.scene import Scene as Described
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import WallMesh, area_vectors
-from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, nearest
+from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places
+from parisph.geometry.solid import Wall, in_fluid
 from parisph.watch.sampling import Scene, View
 
 RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
@@ -98,7 +98,7 @@ class PressureTap(OfPressure):
         normal = area_vectors(corners)[0]
         normal /= np.linalg.norm(normal)
         before = foot + LIFT * (s * normal + corners[0].mean(axis=0) - foot)    # off the other wall of a corner
-        hidden = [wall.name for wall in walls if not in_fluid([outline_of(wall)], before)[0]]
+        hidden = [wall.name for wall in walls if not in_fluid([wall], before)[0]]
         if apart[0] > TAP * s:
             yield (f"at = {self.at} is not on a wall; the nearest place on one is "
                    f"({foot[0, 0]:.6g}, {foot[0, 1]:.6g}) on {name}")

@@ -1,13 +1,15 @@
-"""The outline of each body of a scene: directed straight pieces with the fluid on their left (2D)."""
+"""Each body of a scene as a solid: its elements, with the fluid on their left, and what lies behind them (2D)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from parisph.case.bodies import Obstacle, Plate, Profile
 from parisph.case.shapes import Box, Disc, Shape, Tank
 from parisph.geometry.columns import cross, meet
+from parisph.geometry.distance import nearest
 
 FACETS = 256    # straight pieces around a disc; they turn by less than a mesh calls a corner
 
@@ -15,8 +17,8 @@ Wall = Tank | Profile | Obstacle | Plate
 
 
 @dataclass(frozen=True)
-class Outline:
-    """The edge of one body.
+class Solid:
+    """One body, by its outline.
 
     points : (n, 2) [m], in order, with fluid on the left of the way along them
     closed : whether the last point is joined to the first; an open outline continues beyond its ends, see `ways`
@@ -63,22 +65,31 @@ class Outline:
         front[near] = turn > whole - np.pi
         return front
 
+    def depth(self, x: np.ndarray) -> np.ndarray:
+        """Return how far points x (n, 2) [m] are behind the elements, 0 in front of them, (n,) [m]."""
+        behind = ~self.in_front(x)
+        far = np.zeros(len(x))
+        if behind.any():
+            far[behind] = nearest(x[behind], self.elements)[0]
+        return far
 
-def outline_of(body: Wall) -> Outline:
-    """Return the Outline of a Tank, Profile, Obstacle or Plate. Raises TypeError for anything else."""
+
+@lru_cache(maxsize=64)
+def solid_of(body: Wall) -> Solid:
+    """Return the Solid of a Tank, Profile, Obstacle or Plate, which nobody may change. Raises TypeError for others."""
     if isinstance(body, Tank):
         lower, upper = body.bounds
         left, right = (lower[0], upper[1]), (upper[0], upper[1])
-        return Outline(np.array([left, tuple(lower), (upper[0], lower[1]), right]), body.closed)
+        return Solid(np.array([left, tuple(lower), (upper[0], lower[1]), right]), body.closed)
     if isinstance(body, Profile):
         points = np.array(body.points, dtype=float)
         points = points if body.fluid_on_left else points[::-1].copy()
-        return Outline(points, False, beyond=way_beyond(points) or "straight")
+        return Solid(points, False, beyond=way_beyond(points) or "straight")
     if isinstance(body, Obstacle):
-        return Outline(_clockwise(corners_of(body.shape)), True)
+        return Solid(_clockwise(corners_of(body.shape)), True)
     if isinstance(body, Plate):
         points = np.array(body.points, dtype=float)
-        return Outline(np.concatenate([points, points[-2:0:-1]]), True, True)
+        return Solid(np.concatenate([points, points[-2:0:-1]]), True, True)
     raise TypeError(f"{type(body).__name__} has no outline")
 
 
@@ -128,12 +139,11 @@ def signed_area(points: np.ndarray) -> float:
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
 
 
-def in_fluid(outlines: Sequence[Outline], x: np.ndarray) -> np.ndarray:
-    """Return which points x (n, 2) [m] lie in front of all outlines, (n,) bool. The work is points times pieces."""
+def in_fluid(walls: Sequence[Wall], x: np.ndarray) -> np.ndarray:
+    """Return which points x (n, 2) [m] lie in front of all walls, (n,) bool. The work is points times elements."""
     inside = np.ones(len(x), dtype=bool)
-    for outline in outlines:
-        left = np.flatnonzero(inside)
-        inside[left] = outline.in_front(x[left])
+    for wall in walls:
+        inside[inside] = solid_of(wall).in_front(x[inside])
     return inside
 
 
