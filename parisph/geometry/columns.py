@@ -58,22 +58,17 @@ def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -
     The points near a piece are convex, so that it makes one interval on a line.
     """
     piece, line = _pairs(np.minimum(a[:, 0], b[:, 0]) - reach, np.maximum(a[:, 0], b[:, 0]) + reach, lines)
-    a, along, x = a[piece], (b - a)[piece], lines[line]
-    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)
+    a, b, x, ends = a[piece], b[piece], lines[line], []
+    along = b - a
+    side = reach * np.stack([-along[:, 1], along[:, 0]]) / np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ends = (x - a[:, 0] + np.array([[-reach], [reach]])) / along[:, 0]
-    flat = along[:, 0] == 0.0
-    first, last = np.clip(np.where(flat, [[0.0], [1.0]], np.sort(ends, axis=0)), 0.0, 1.0)
-    edge = []
-    for sign in (-1.0, 1.0):
-        # the piece touches the circle around the end of the interval where the normal leads there
-        side = -along[:, 1] * np.where(along[:, 0] < 0.0, -1.0, 1.0) * reach * sign / length
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (x - side - a[:, 0]) / along[:, 0]
-        t = np.where(flat, np.where(sign * along[:, 1] > 0.0, 1.0, 0.0), np.clip(t, first, last))
-        off = x - a[:, 0] - t * along[:, 0]
-        edge.append(a[:, 1] + t * along[:, 1] + sign * np.sqrt(np.maximum(reach**2 - off**2, 0.0)))
-    return line, edge[0], edge[1]
+        for sign in (-1.0, 1.0):    # of circles around both ends of a piece, and of its two sides
+            ends += [p[:, 1] + sign * np.sqrt(reach**2 - (x - p[:, 0]) ** 2) for p in (a, b)]
+            t = (x - a[:, 0] - sign * side[0]) / along[:, 0]
+            ends.append(np.where((t >= 0.0) & (t <= 1.0), a[:, 1] + t * along[:, 1] + sign * side[1], np.nan))
+    low, high = np.fmin.reduce(ends), np.fmax.reduce(ends)
+    met = low <= high    # by all but those that a line touches
+    return line[met], low[met], high[met]
 
 
 def crossings(a: np.ndarray, b: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -52,16 +52,11 @@ def _cut(outlines, close):
     """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and their bodies (m,)."""
     a, b = np.concatenate([outline.elements for outline in outlines]).swapaxes(0, 1)
     body = np.repeat(np.arange(len(outlines)), [len(outline.elements) for outline in outlines])
-    places, owner, along = [a, b], [], []
-    for i, others in _near(a, b, body, close):
-        t = _meetings(a, b, i, others, close)
-        places.append(a[i] + t[:, None] * (b[i] - a[i]))
-        owner.append(np.full(len(t), i))
-        along.append(t)
-    number, points = _merged(np.concatenate(places), close)
+    owner, along = _meetings(a, b, body, close)
+    number, points = _merged(np.concatenate([a, b, a[owner] + along[:, None] * (b - a)[owner]]), close)
     first, last, between = number[: len(a)], number[len(a) : 2 * len(a)], number[2 * len(a) :]
-    owner = np.concatenate([np.arange(len(a)), *owner, np.arange(len(a))]).astype(np.int64)
-    along = np.concatenate([np.zeros(len(a)), *along, np.ones(len(a))])
+    owner = np.concatenate([np.arange(len(a)), owner, np.arange(len(a))])
+    along = np.concatenate([np.zeros(len(a)), along, np.ones(len(a))])
     at = np.concatenate([first, between, last])
     order = np.lexsort([along, owner])
     owner, at = owner[order], at[order]
@@ -69,27 +64,26 @@ def _cut(outlines, close):
     return points, np.stack([at[:-1], at[1:]], axis=1)[real], body[owner[:-1][real]]
 
 
-def _near(a, b, body, close):
-    """Return the pieces that may meet those of other bodies, each with these: [(number, numbers (n,))]."""
-    pairs = list(overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close))
-    one, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
-    apart = body[one] != body[other]
-    piece, others = np.concatenate([one[apart], other[apart]]), np.concatenate([other[apart], one[apart]])
-    order = np.lexsort([others, piece])
-    found, first = np.unique(piece[order], return_index=True)
-    return list(zip(found.tolist(), np.split(others[order], first[1:])))
-
-
-def _meetings(a, b, i, other, close):
-    """Return where along piece i other pieces touch or cross it, as parts of its length between 0 and 1."""
-    p, d, e = a[other], b[i] - a[i], b[other] - a[other]
-    length = np.hypot(*d)
-    touching = np.concatenate([p, b[other]]) - a[i]
-    on = np.abs(cross(d, touching)) <= close * length
-    t, u = meet(a[i], d, p, e)
-    crossing = (np.abs(cross(d, e)) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])) & (u >= 0.0) & (u <= 1.0)
-    t = np.concatenate([touching[on] @ d / length**2, t[crossing]])
-    return t[(t * length > close) & ((1.0 - t) * length > close)]
+def _meetings(a, b, body, close):
+    """Return which pieces others touch or cross, and where, as parts of their length between 0 and 1, (n,) each."""
+    pairs = np.concatenate([np.stack(pair) for pair in overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close)],
+                           axis=1)
+    pairs = np.concatenate([pairs, pairs[::-1]], axis=1)
+    i, j = pairs[:, np.lexsort(pairs[::-1])]
+    i, j = i[body[i] != body[j]], j[body[i] != body[j]]
+    d, e = (b - a)[i], (b - a)[j]
+    length = np.hypot(d[:, 0], d[:, 1])
+    t, u = meet(a[i], d, a[j], e)
+    slanted = np.abs(cross(d, e)) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])
+    found = []
+    for end in (a, b):
+        apart = end[j] - a[i]
+        found.append(np.where(np.abs(cross(d, apart)) <= close * length, np.sum(d * apart, axis=1) / length**2, np.nan))
+    t = np.concatenate([*found, np.where(slanted & (u >= 0.0) & (u <= 1.0), t, np.nan)])
+    owner, length = np.tile(i, 3), np.tile(length, 3)
+    inner = np.argsort(owner, kind="stable")    # of a piece, touching ends first: they are what close places become
+    inner = inner[((t * length > close) & ((1.0 - t) * length > close))[inner]]
+    return owner[inner], t[inner]
 
 
 def _merged(places, close):
