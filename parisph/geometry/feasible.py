@@ -74,7 +74,7 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain],
     another. walls : of these, bodies beside what is Filled are left out: with any spacing they come as near as that.
     """
     if chains and len(mesh.elements):
-        pieces, owner = _pieces(chains)
+        pieces, owner = (np.concatenate(parts) for parts in zip(*((chain.elements, chain.body) for chain in chains)))
         middle, way = mesh.corners().mean(axis=1), unit_normals(mesh.corners())
         filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
         gap, piece = across(middle, way, pieces)
@@ -92,13 +92,6 @@ def _meet(pieces, piece, m):
     own = np.argmin(np.linalg.norm(m - on_segments(m, a, b), axis=1))
     close = 1e-6 * np.linalg.norm(b[own] - a[own])
     return bool((np.linalg.norm(a[own] - b[piece]) < close) or (np.linalg.norm(b[own] - a[piece]) < close))
-
-
-def _pieces(chains):
-    """Return the straight pieces of all chains, (n, 2, 2) [m], and their bodies (n,)."""
-    pieces = [np.stack([chain.points, np.roll(chain.points, -1, axis=0)], axis=1)[: len(chain.body)]
-              for chain in chains]
-    return np.concatenate(pieces), np.concatenate([chain.body for chain in chains])
 
 
 def _at(x):

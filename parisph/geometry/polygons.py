@@ -31,6 +31,11 @@ class Chain:
     angle: np.ndarray
     closed: bool
 
+    @property
+    def elements(self) -> np.ndarray:
+        """The first and the last point of each piece, (pieces, 2, 2) [m]."""
+        return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)[: len(self.body)]
+
 
 def joined(outlines: Sequence[Solid], spacing: float) -> list[Chain]:
     """Return the chains that the fluid between all outlines touches.

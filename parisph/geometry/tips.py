@@ -101,8 +101,7 @@ def _necks(chains: Sequence[Chain], walls: Sequence[Wall], spacing: float) -> It
         if not one.closed or walls[one.body[0]].motion != walls[other.body[0]].motion:
             continue
         curved = (one.angle > np.pi + CLOSE) & (one.angle < np.pi + BENT)
-        ends = np.roll(other.points, -1, axis=0)[: len(other.body)]
-        gap, piece, foot = nearest(one.points, np.stack([other.points[: len(other.body)], ends], axis=1), reach)
+        gap, piece, foot = nearest(one.points, other.elements, reach)
         least = curved & (gap < reach) & (gap <= np.roll(gap, 1)) & (gap <= np.roll(gap, -1))
         for k in np.flatnonzero(least).tolist():
             at, m = one.points[k], int(piece[k])

@@ -52,8 +52,8 @@ def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0
             axes.fill(*ground.T, color=SOLID, linewidth=0.0, zorder=1.2)
         elif outline.closed and not outline.two_sided and not isinstance(wall, Tank):
             axes.fill(*(seen.placed(x, time) / length).T, color=SOLID, linewidth=0.0, zorder=1.2)
-        line = seen.placed(np.concatenate([x, x[:1]]) if outline.closed else x, time)
-        axes.plot(*(line / length).T, color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
+        axes.plot(*(seen.placed(_closed(wall, time), time) / length).T,
+                  color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
 
 
 def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":

@@ -13,7 +13,7 @@ from parisph.case import probe_checks
 from parisph.case.bodies import Plate
 from parisph.case.probes import WIDTH, Measure, OfPressure
 from parisph.case.scene import Scene as Described
-from parisph.geometry.distance import area_vectors, nearest
+from parisph.geometry.distance import area_vectors, nearest, unit_normals
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places
 from parisph.geometry.solid import Wall, in_fluid
@@ -95,8 +95,7 @@ class PressureTap(OfPressure):
         name, wall = mesh.bodies[number].name, walls[number]
         corners = mesh.corners()[[element]]
         apart, _, foot = nearest(np.array([self.at]), corners)
-        normal = area_vectors(corners)[0]
-        normal /= np.linalg.norm(normal)
+        normal = unit_normals(corners)[0]
         before = foot + LIFT * (s * normal + corners[0].mean(axis=0) - foot)    # off the other wall of a corner
         hidden = [wall.name for wall in walls if not in_fluid([wall], before)[0]]
         if apart[0] > TAP * s:
@@ -135,8 +134,7 @@ class Tap(Measure):
         assert now is not None    # the tap is on a wall
         # the wall of the tap as it is at t = 0: then it and its nodes move with its body
         element = tap_element(now.mesh, now.walls, probe, scene.spacing)
-        normal = area_vectors(now.mesh.corners()[[element]])[0]
-        normal /= np.linalg.norm(normal)
+        normal = unit_normals(now.mesh.corners()[[element]])[0]
         self.axes = np.array([normal, [-normal[1], normal[0]]])
         self.across = np.arange(2) == 0
         motions = np.array([body.motion for body in now.mesh.bodies])
