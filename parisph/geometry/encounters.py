@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Floats, Ints
 from parisph.case.bodies import Plate, Profile
 from parisph.case.motion import AtRest, Motion, Rotation, course
 from parisph.geometry.columns import meet
@@ -51,11 +51,12 @@ def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: floa
                 continue
             if isinstance(beside.motion, AtRest) or one < other:
                 pair = _Pair(wall, beside, spacing, stop)
-                met = _apart(pair) if distance_between(*pair.pose(0.0))[0] > CONTACT * spacing else _together(pair)
-                if met is not None and met[0] < below:
-                    distance, u, at = met
-                    found.append(Encounter(one, other, distance, at, pair.when(u),
-                                           wall.motion.law(pair.when(u))[0] if pair.timed else u))
+                touch = distance_between(*pair.pose(0.0))[0] <= CONTACT * spacing
+                distance, u, at = _together(pair) if touch else _apart(pair)
+                if distance < below:
+                    time = pair.when(u)
+                    value = wall.motion.law(time)[0] if pair.timed else u
+                    found.append(Encounter(one, other, distance, at, time, value))
     return tuple(found)
 
 
@@ -128,7 +129,7 @@ def distance_between(a: Solid, b: Solid) -> tuple[float, Floats]:
     return best
 
 
-def _apart(pair: _Pair) -> tuple[float, float, Floats] | None:
+def _apart(pair: _Pair) -> tuple[float, float, Floats]:
     """Return what two bodies that are apart at the start come to: distance, 0 if they reach each other, value, place.
 
     They reach each other where they come nearer than CONTACT.
@@ -150,14 +151,14 @@ def _apart(pair: _Pair) -> tuple[float, float, Floats] | None:
     return min(met, key=lambda found: (found[0], pair.when(found[1])))
 
 
-def _together(pair: _Pair) -> tuple[float, float, Floats] | None:
-    """Return what two bodies that touch at the start come to, as `_apart`, or None.
+def _together(pair: _Pair) -> tuple[float, float, Floats]:
+    """Return what two bodies that touch at the start come to, as `_apart`.
 
     They reach each other where one gets into the other that was not in it. What slides along another does not.
     """
     first, kept, found = pair.pose(0.0), [], []
     for k in _solid_against(pair):
-        places = _places(first[k].elements, pair.spacing)
+        places, _ = _places(first[k].elements, pair.spacing)
         behind = first[1 - k].depth(places) > CONTACT * pair.spacing
         # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
         if k == 0 or not behind.any():
@@ -192,19 +193,19 @@ def _solid_against(pair: _Pair) -> list[int]:
     return [k for k in (0, 1) if not isinstance(pair.walls[1 - k], Plate) and (k == 0 or not thin[0])]
 
 
-def _places(elements: Floats, spacing: float) -> Floats:
-    """Return the middles (n, 2) [m] of parts of elements (M, 2, 2) [m], of about a spacing."""
-    found = []
-    for a, b in elements:
-        many = int(np.clip(np.linalg.norm(b - a) / spacing + ROUNDING, 1, DIVIDED))    # as many where it is turned
-        found.append(a + ((np.arange(many) + 0.5) / many)[:, None] * (b - a))
-    return np.concatenate(found)
+def _places(elements: Floats, spacing: float) -> tuple[Floats, Ints]:
+    """Return the middles (n, 2) [m] of parts of elements (M, 2, 2) [m], of about a spacing, and their elements (n,)."""
+    along = elements[:, 1] - elements[:, 0]
+    # ROUNDING: as many where it is turned
+    many = (np.linalg.norm(along, axis=1) / spacing + ROUNDING).astype(np.int64).clip(1, DIVIDED)
+    own: Ints = np.repeat(np.arange(len(many)), many)
+    share = (np.arange(len(own)) - np.repeat(np.cumsum(many) - many, many) + 0.5) / many[own]
+    places: Floats = elements[own, 0] + share[:, None] * along[own]
+    return places, own
 
 
 def _facing(a: Solid, b: Solid, spacing: float) -> tuple[Floats, Floats]:
-    """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one outline to the other, where this
+    """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one solid to the other, where this
     faces it, inf elsewhere, and these places."""
-    places = [_places(element[None], spacing) for element in a.elements]
-    way = np.repeat(unit_normals(a.elements), [len(some) for some in places], axis=0)
-    x = np.concatenate(places)
-    return across(x, way, b.elements, FACING, -CONTACT * spacing)[0], x
+    places, own = _places(a.elements, spacing)
+    return across(places, unit_normals(a.elements)[own], b.elements, FACING, -CONTACT * spacing)[0], places
