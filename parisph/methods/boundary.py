@@ -49,10 +49,8 @@ class Boundary:
         return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
 
     def present(self, flow: "Flow", least: int) -> Walls:
-        """Return the elements, of which those count all of whose nodes do, as for directions without fluid."""
-        p, e = flow.particles, self.elements
-        counts = np.ones(p.n_all, bool) if "closing" not in p.fields else p.closing_all >= least
-        return e.walls._replace(present=((e.nodes < 0) | counts[e.nodes]).all(axis=1).astype(float))
+        """Return the elements, as far as they count."""
+        return self.elements.walls._replace(present=self.elements.mean_of_nodes(self.counted(flow, least)))
 
     def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
         """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
