@@ -294,18 +294,14 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         else:
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
+    corner = (mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))    # or an open end, as the foot of a piston
     return {
-        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
+        "kind": np.full(n, WALL, dtype=np.int8), "corner": corner[nodes].astype(np.int8),
         "role": _roles(case, walls, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
         "p": np.zeros(n), "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes],
         "no_slip": no_slip, "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
         "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
-
-
-def _in_corner(mesh):
-    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8."""
-    return ((mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))).astype(np.int8)
 
 
 def _roles(case, walls, x, normal, edge):

@@ -33,7 +33,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     holes : of each body of fluid; titles : their names in messages
     """
-    if walls and _nothing_touched(walls, spacing):
+    if walls and not chains_of(walls, spacing):
         return ["no wall touches fluid: each body lies inside another"]
     found = []
     if walls:
@@ -52,10 +52,6 @@ def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacin
     names = [body.name for body in mesh.bodies]
     return [*_wedges(chains, names), *_beaches(mesh, names, fluids),
             *_narrow(*resting(mesh, chains), walls, names, spacing), *_short(chains, walls, names, spacing)]
-
-
-def _nothing_touched(walls, spacing):
-    return not chains_of(walls, spacing)
 
 
 def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Chain]]:
