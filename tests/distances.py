@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import area_vectors
+from parisph.geometry.distance import area_vectors, nearest
 
 
 def signed_distance(x, corners):

@@ -87,7 +87,7 @@ def filled(shape, walls, spacing):
     mesh = wall_mesh(walls, spacing)
     x, roles = [], []
     for one in shape if isinstance(shape, (tuple, list)) else (shape,):
-        fill = Filling(one, walls, mesh, spacing)
+        fill = Filling(one, walls, spacing)
         index = fill.indices()
         x.append(fill.position(index))
         roles.append(np.where(fill.is_surface(index), SURFACE, INNER))

@@ -11,7 +11,7 @@ from parisph.base.errors import ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
-from parisph.geometry.rims import Face, Rim, faces_of, rim_of
+from parisph.geometry.rims import Rim, rims_of
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.parallel.sums import sums
@@ -36,27 +36,20 @@ class OpenTank:
 
     Attributes
     ----------
-    rim : of what holds the water, None under a lid
-    faces : of wavemakers, behind which it is dry
-    spacing, reach [m] : the second is how far behind a wall a particle is lost
+    rims : of what holds the water, and of wavemakers, behind which it is dry
     scene : for the energy
     left : Overflow
     """
 
-    rim: Rim | None
-    faces: tuple[Face, ...]
-    spacing: float
-    reach: float
+    rims: tuple[Rim, ...]
     scene: Scene
     left: Overflow = field(default_factory=Overflow)
 
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
         """Return the open tank of a case, None if it has none. state : the Overflow of a checkpoint, as a dict."""
-        rim, faces = rim_of(case), faces_of(case)
-        if rim is None and not faces:
-            return None
-        return cls(rim, faces, case.numerics.spacing, domain.radius, Scene.of(case), Overflow(**(state or {})))
+        rims = rims_of(case, domain.radius)
+        return cls(rims, Scene.of(case), Overflow(**(state or {}))) if rims else None
 
     def let_leave(self, domain: Domain, time: float = 0.0) -> None:
         """Remove the fluid that is out over the rim at a time [s], and count it. Collective.
@@ -77,10 +70,7 @@ class OpenTank:
                                    "or make the tank higher")
 
     def _gone_and_lost(self, p: Particles, time: float) -> tuple[Flags, Flags]:
-        fluid, none = p.kind == FLUID, np.zeros(p.n_owned, dtype=bool)
-        gone, lost = (none, none) if self.rim is None else self.rim.out(p.x, time, self.spacing, self.reach)
-        for face in self.faces:
-            gone = gone | face.out(p.x, time, self.spacing)
+        fluid, (gone, lost) = p.kind == FLUID, np.any([rim.out(p.x, time) for rim in self.rims], axis=0)
         return gone & fluid, lost & ~gone & fluid
 
     def _loss(self, p: Particles, lost: Flags) -> ParticleLost | None:

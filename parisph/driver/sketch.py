@@ -10,7 +10,7 @@ from parisph.base.arrays import Floats
 from parisph.case.motion import AtRest
 from parisph.case.schema import Case
 from parisph.geometry.build import domain, fillings
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.solid import in_fluid, solid_of
 from parisph.geometry.standing import standing
 
 Picture = NDArray[np.str_]
@@ -45,8 +45,8 @@ def _filled(case: Case, x: Floats, y: Floats) -> Picture:
     """Return rows of characters for fluid, solid and air."""
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     walls = standing(case)
-    free = in_fluid([outline_of(wall) for wall in walls if isinstance(wall.motion, AtRest)], places)
-    wet = in_fluid([outline_of(wall) for wall in walls], places)
+    free = in_fluid([wall for wall in walls if isinstance(wall.motion, AtRest)], places)
+    wet = in_fluid(walls, places)
     wet &= np.any([fill.holds(places) for fill in fillings(case)], axis=0)
     return np.where(wet, WATER, np.where(free, AIR, SOLID)).reshape(len(y), len(x))
 
@@ -63,9 +63,9 @@ def _cell(picture: Picture, lower: Floats, upper: Floats, at: Sequence[float] | 
 def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
     """Draw plates, and whatever moves."""
     for wall in standing(case):
-        outline = outline_of(wall)
+        outline = solid_of(wall)
         if outline.two_sided or not isinstance(wall.motion, AtRest):
-            for a, b in zip(outline.starts, outline.ends):
+            for a, b in outline.elements:
                 for part in np.linspace(0.0, 1.0, 4 * ACROSS):
                     picture[_cell(picture, lower, upper, a + part * (b - a))] = WALL
 

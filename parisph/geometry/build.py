@@ -22,12 +22,12 @@ from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Lid, Tank
-from parisph.geometry.fill import Filling, Taken, taken
+from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import lowered, raised
+from parisph.geometry.solid import in_fluid, solid_of
 from parisph.geometry.standing import standing
 
 CHUNK = 2**18   # particles looked at in one go; bounds the memory of a large scene
@@ -102,10 +102,10 @@ def fillings(case: Scene) -> tuple[Filling, ...]:
 
 @lru_cache(maxsize=4)
 def _fillings(fluids, walls, spacing):
-    mesh = wall_mesh(walls, spacing) if walls else None
-    return tuple(Filling(fluid.shape, walls, mesh, spacing, fluid.holes, others,
+    shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
+    return tuple(Filling(fluid.shape, walls, spacing, fluid.holes, taken(shapes, holes, number),
                          fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
-                 for fluid, others in _with_others(fluids))
+                 for number, fluid in enumerate(fluids))
 
 
 def even(case: Scene) -> bool:
@@ -123,12 +123,6 @@ def weighed(case: Scene) -> bool:
     """
     fluid = case.fluids[0]
     return len(case.fluids) == 1 and isinstance(fluid.shape, Box) and not fluid.holes and even(case)
-
-
-def _with_others(fluids: Sequence[Fluid]) -> list[tuple[Fluid, list[Taken]]]:
-    """Return each body of fluid and the other fluid to which it gives way."""
-    shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
-    return [(fluid, taken(shapes, holes, number)) for number, fluid in enumerate(fluids)]
 
 
 def counts(case: Scene) -> dict[str, int]:
@@ -151,26 +145,17 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
     For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene to look
     at; the places do not depend on it
     """
-    walls, s = standing(case), case.numerics.spacing
-    mesh = wall_mesh(walls, s) if walls else None
-    box = domain(case)
-    for fluid, others in _with_others(case.fluids):
-        low, high = np.array(lower, float), np.array(upper, float)
-        part = [low.copy(), high.copy()]
-        if fluid.raised:    # before they are raised, places may be anywhere above and below
-            part[0][-1], part[1][-1] = box[0][-1], np.inf
-        for places, volume in samples_of(fluid.shape, walls, *box, s, fluid.holes, part, others):
-            places, factor = raised(fluid, mesh, case.bounds_of(fluid), places)
-            near = np.all((places >= low) & (places < high), axis=1)
+    for fluid, fill in zip(case.fluids, fillings(case)):
+        for places, volume in samples_of(fill, *domain(case), (lower[0], upper[0])):
+            places, factor = raised(fluid, scene_mesh(case), case.bounds_of(fluid), places)
+            near = np.all((places >= lower) & (places < upper), axis=1)
             yield places[near], (volume * factor)[near]
 
 
 def volume(case: Scene) -> float:
     """Return the exact volume [m^dim] of all fluid at the start."""
-    walls, mesh, box, s = standing(case), scene_mesh(case), domain(case), case.numerics.spacing
-    return sum(fluid_area(fluid.shape, walls, *box, s, fluid.holes,
-                          lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1], others)
-               for fluid, others in _with_others(case.fluids))
+    return sum(fluid_area(fill, *domain(case), lambda x, own=fluid: raised(
+        own, scene_mesh(case), case.bounds_of(own), x)[1]) for fluid, fill in zip(case.fluids, fillings(case)))
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
@@ -236,7 +221,7 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
         return case.fluid_bounds
     lower, upper = (corner.copy() for corner in case.wall_bounds)
     for wall in standing(case):
-        x = outline_of(wall).points
+        x = solid_of(wall).points
         for value in _visited(wall.motion, case.end_time):
             at = wall.motion.placed_by(x, value)
             lower, upper = np.minimum(lower, at.min(axis=0)), np.maximum(upper, at.max(axis=0))
@@ -309,8 +294,9 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         else:
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
+    corner = (mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))    # or an open end, as the foot of a piston
     return {
-        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
+        "kind": np.full(n, WALL, dtype=np.int8), "corner": corner[nodes].astype(np.int8),
         "role": _roles(case, walls, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
         "p": np.zeros(n), "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes],
         "no_slip": no_slip, "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
@@ -318,28 +304,23 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 
-def _in_corner(mesh):
-    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8."""
-    return ((mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))).astype(np.int8)
-
-
 def _roles(case, walls, x, normal, edge):
     """Return the roles (n,) of nodes: wet where fluid comes to them, in contact near its surface, else dry.
 
     Dry are also nodes behind another body, as those of a bed behind a piston, and convex edges, which carry no row.
     """
-    s, outlines = case.numerics.spacing, [outline_of(wall) for wall in walls]
+    s = case.numerics.spacing
 
     def held(at: Floats) -> Array:
         return np.any([fill.holds(lowered(fluid, at)) for fluid, fill in zip(case.fluids, fillings(case))], axis=0)
 
     before = x + LIFT * s * normal
-    wet, free = held(x) & in_fluid(outlines, before), np.zeros(len(x), dtype=bool)
+    wet, free = held(x) & in_fluid(walls, before), np.zeros(len(x), dtype=bool)
     for axis in range(x.shape[1]):
         for side in (-1.0, 1.0):
             beside = before + side * BESIDE * s * np.eye(x.shape[1])[axis]
             in_front = side * normal[:, axis] > -LIFT    # not on the other side of a plate
-            free |= ~held(beside) & in_fluid(outlines, beside) & in_front
+            free |= ~held(beside) & in_fluid(walls, beside) & in_front
     role = np.where(wet, np.where(free, CONTACT, WET), DRY)
     return np.where(edge == CONVEX, DRY, role).astype(np.int8)
 

@@ -11,6 +11,19 @@ import numpy as np
 Intervals = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
+def meet(p: np.ndarray, d: np.ndarray, q: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return t and u (...) where lines p + t d and q + u e (..., 2) meet, not finite where they are parallel."""
+    apart, slant = q - p, cross(d, e)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return cross(apart, e) / slant, cross(apart, d) / slant
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the cross products (...) of vectors (..., 2)."""
+    product: np.ndarray = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product
+
+
 def _pairs(left, right, lines):
     """Return the numbers of pieces from `left` to `right` and of the lines that each of them meets."""
     first = np.searchsorted(lines, left, side="left")
@@ -45,22 +58,17 @@ def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -
     The points near a piece are convex, so that it makes one interval on a line.
     """
     piece, line = _pairs(np.minimum(a[:, 0], b[:, 0]) - reach, np.maximum(a[:, 0], b[:, 0]) + reach, lines)
-    a, along, x = a[piece], (b - a)[piece], lines[line]
-    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)
+    a, b, x, ends = a[piece], b[piece], lines[line], []
+    along = b - a
+    side = reach * np.stack([-along[:, 1], along[:, 0]]) / np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ends = (x - a[:, 0] + np.array([[-reach], [reach]])) / along[:, 0]
-    flat = along[:, 0] == 0.0
-    first, last = np.clip(np.where(flat, [[0.0], [1.0]], np.sort(ends, axis=0)), 0.0, 1.0)
-    edge = []
-    for sign in (-1.0, 1.0):
-        # the piece touches the circle around the end of the interval where the normal leads there
-        side = -along[:, 1] * np.where(along[:, 0] < 0.0, -1.0, 1.0) * reach * sign / length
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (x - side - a[:, 0]) / along[:, 0]
-        t = np.where(flat, np.where(sign * along[:, 1] > 0.0, 1.0, 0.0), np.clip(t, first, last))
-        off = x - a[:, 0] - t * along[:, 0]
-        edge.append(a[:, 1] + t * along[:, 1] + sign * np.sqrt(np.maximum(reach**2 - off**2, 0.0)))
-    return line, edge[0], edge[1]
+        for sign in (-1.0, 1.0):    # of circles around both ends of a piece, and of its two sides
+            ends += [p[:, 1] + sign * np.sqrt(reach**2 - (x - p[:, 0]) ** 2) for p in (a, b)]
+            t = (x - a[:, 0] - sign * side[0]) / along[:, 0]
+            ends.append(np.where((t >= 0.0) & (t <= 1.0), a[:, 1] + t * along[:, 1] + sign * side[1], np.nan))
+    low, high = np.fmin.reduce(ends), np.fmax.reduce(ends)
+    met = low <= high    # by all but those that a line touches
+    return line[met], low[met], high[met]
 
 
 def crossings(a: np.ndarray, b: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -97,23 +105,13 @@ def beds(corners: np.ndarray, columns: np.ndarray, top: float) -> np.ndarray:
 def union(*parts: Intervals) -> Intervals:
     """Return disjoint intervals, in order, that cover the same as all parts together."""
     line, low, high = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    order = np.lexsort([low, line])
-    line, low, high = line[order], low[order], high[order]
-    if len(line) == 0:
-        return line, low, high
-    reach = _running_maximum(line, high)
-    new = np.append(True, (line[1:] != line[:-1]) | (low[1:] > reach[:-1]))
-    last = np.append(np.flatnonzero(new)[1:], len(line)) - 1
-    return line[new], low[new], reach[last]
-
-
-def _running_maximum(line, high):
-    """Return the greatest upper end so far on the same line, for intervals in the order of their lines."""
-    order = np.argsort(high, kind="stable")
-    rank = np.empty(len(high), dtype=np.int64)
-    rank[order] = np.arange(len(high))
-    number = np.cumsum(np.append(0, line[1:] != line[:-1])) * len(high)
-    return high[order[np.maximum.accumulate(rank + number) - number]]
+    line, at = np.concatenate([line, line]), np.concatenate([low, np.maximum(low, high)])
+    step = np.repeat([1, -1], len(low))
+    order = np.lexsort([-step, at, line])    # of the same place, starts before ends: what touches is joined
+    line, at = line[order], at[order]
+    last = np.flatnonzero(np.cumsum(step[order]) == 0)
+    first = np.append(0, last[:-1] + 1)[: len(last)]
+    return line[first], at[first], at[last]
 
 
 def gaps(taken: Intervals, lines: int, bottom: float, top: float) -> Intervals:

@@ -1,4 +1,4 @@
-"""Distance of points from elements, and on which side of them they lie. 2D and 3D.
+"""Normals of elements, distance of points from them, and on which side of them they lie. 2D and 3D.
 
 Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out
 the boxes that are farther away than something they have seen. So a point looks at a few boxes on each level only.
@@ -6,11 +6,27 @@ the boxes that are farther away than something they have seen. So a point looks 
 
 import numpy as np
 
-from parisph.geometry.mesh import area_vectors
+from parisph.geometry.columns import meet
 
 CHUNK = 2**16      # points that go down the tree together
+PAIRS = 2**20      # of a point and an element that are looked at in one go
 TIE = 1e-9         # of a distance: elements as near as that are equally near
 BITS = 10          # of the place of an element along each axis, in the order along a curve through all places
+
+
+def area_vectors(corners: np.ndarray) -> np.ndarray:
+    """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
+    along = corners[:, 1] - corners[:, 0]
+    if corners.shape[2] == 2:
+        return np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
+    return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
+
+
+def unit_normals(corners: np.ndarray) -> np.ndarray:
+    """Return the unit normals (M, dim) of elements (M, dim, dim)."""
+    normal = area_vectors(corners)
+    unit: np.ndarray = normal / np.linalg.norm(normal, axis=1)[:, None]
+    return unit
 
 
 def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -39,10 +55,27 @@ def heights(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> np.nd
     """
     distance, element, foot = nearest(x, corners, within)
     found = element >= 0
-    normal = area_vectors(corners[element[found]])
-    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-    distance[found] = np.sum((x[found] - foot[found]) * normal, axis=1)
+    distance[found] = np.sum((x[found] - foot[found]) * unit_normals(corners[element[found]]), axis=1)
     return distance
+
+
+def across(x: np.ndarray, way: np.ndarray, corners: np.ndarray, facing: float = 0.0,
+           least: float = 1e-9) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far points are from the first element that faces them in a direction, (n,) [m], and that element (n,).
+
+    x : (n, 2) [m]; way : (n, 2), unit directions; corners : (M, 2, 2) [m]
+    facing : the cosine between the direction and the normal of an element is less; least : the distance is more [m]
+    Without such an element the distance is inf. 2D
+    """
+    gap, first, normal = np.empty(len(x)), np.empty(len(x), np.int64), unit_normals(corners)
+    a, along = corners[:, 0], corners[:, 1] - corners[:, 0]
+    rows = max(PAIRS // len(a), 1)
+    for low in range(0, len(x), rows):
+        part = slice(low, low + rows)
+        t, u = meet(x[part, None], way[part, None], a, along)
+        t = np.where((t > least) & (u >= 0.0) & (u <= 1.0) & (way[part] @ normal.T < facing), t, np.inf)
+        gap[part], first[part] = t.min(axis=1), t.argmin(axis=1)
+    return gap, first
 
 
 class _Tree:
@@ -111,7 +144,7 @@ def _best(x, corners, point, candidate, within):
     """Return what nearest() does, of the candidates of each point, which are in the order of the points."""
     n, dim = x.shape
     distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
-    at = _on_segments(x[point], *np.moveaxis(corners[candidate], 1, 0)) if dim == 2 else _on_triangles(
+    at = on_segments(x[point], *np.moveaxis(corners[candidate], 1, 0)) if dim == 2 else _on_triangles(
         x[point], *np.moveaxis(corners[candidate], 1, 0))
     apart = np.sqrt(np.sum((x[point] - at) ** 2, axis=1))
     least = np.full(n, within)
@@ -134,7 +167,8 @@ def _square(away, normal):
     return np.abs(cosine) + TIE * np.sign(cosine)
 
 
-def _on_segments(x, a, b):
+def on_segments(x: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the points (..., dim) [m] of straight pieces from a to b that are nearest to x."""
     along = b - a
     t = np.sum((x - a) * along, axis=-1) / np.maximum(np.sum(along * along, axis=-1), 1e-300)
     return a + np.clip(t, 0.0, 1.0)[..., None] * along
@@ -149,7 +183,7 @@ def _on_triangles(x, a, b, c):
     best, least = foot, np.full(foot.shape[:-1], np.inf)
     for p, q in ((a, b), (b, c), (c, a)):
         inside &= np.sum(np.cross(q - p, foot - p) * normal, axis=-1) >= 0.0
-        at = _on_segments(x, p, q)
+        at = on_segments(x, p, q)
         apart2 = np.sum((x - at) ** 2, axis=-1)
         best = np.where((apart2 < least)[..., None], at, best)
         least = np.minimum(least, apart2)

@@ -5,18 +5,17 @@ run: each place is looked at once, however often it is passed. Two that both mov
 on by no more than half of what is between them, so that nothing is missed.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Floats, Ints
 from parisph.case.bodies import Plate, Profile
 from parisph.case.motion import AtRest, Motion, Rotation, course
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import area_vectors
-from parisph.geometry.outline import Outline, Wall, outline_of
+from parisph.geometry.columns import meet
+from parisph.geometry.distance import across, nearest, unit_normals
+from parisph.geometry.solid import Solid, Wall, solid_of
 
 CONTACT = 0.25    # spacings: walls that are nearer touch; so far behind a wall another is in it
 MOST = 5000       # places at which two walls that both move are looked at
@@ -51,60 +50,51 @@ def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: floa
             if wall.motion == beside.motion or isinstance(wall.motion, AtRest):
                 continue
             if isinstance(beside.motion, AtRest) or one < other:
-                pair = _Pair.of(wall, beside, spacing, stop)
-                met = _apart(pair) if pair.distance(0.0)[0] > CONTACT * spacing else _together(pair)
-                if met is not None and met[0] < below:
-                    distance, u, at = met
-                    found.append(Encounter(one, other, distance, at, pair.when(u),
-                                           wall.motion.law(pair.when(u))[0] if pair.timed else u))
+                pair = _Pair(wall, beside, spacing, stop)
+                touch = distance_between(*pair.pose(0.0))[0] <= CONTACT * spacing
+                distance, u, at = _together(pair) if touch else _apart(pair)
+                if distance < below:
+                    time = pair.when(u)
+                    value = wall.motion.law(time)[0] if pair.timed else u
+                    found.append(Encounter(one, other, distance, at, time, value))
     return tuple(found)
 
 
-@dataclass(frozen=True)
 class _Pair:
-    """Two bodies that move against each other.
+    """Two bodies that move against each other, followed by the law of the first, or by the time if both move.
 
-    pose : their outlines at a value of what they are followed by; ends : the values up to which, from 0; speed : how
-    far their points move against each other per unit of it [m]; when : the time [s] of a value; timed : whether it is
-    the time
+    ends : the values up to which they are followed, from 0; speed : how far their points move against each other per
+    unit of it [m]; timed : whether it is the time
     """
 
-    pose: Callable[[float], tuple[Outline, Outline]]
-    ends: tuple[float, ...]
-    speed: float
-    when: Callable[[float], float]
-    timed: bool
-    spacing: float
-    walls: tuple[Wall, Wall]
+    def __init__(self, one: Wall, other: Wall, spacing: float, stop: float) -> None:
+        self.walls, self.outlines, self.spacing = (one, other), (solid_of(one), solid_of(other)), spacing
+        self.timed = not isinstance(other.motion, AtRest)
+        arms = [_arm(wall.motion, outline) for wall, outline in zip(self.walls, self.outlines)]
+        if self.timed:
+            self.ends: tuple[float, ...] = (stop,)
+            self.speed = 1.2 * sum(wall.motion.top_rate * arm for wall, arm in zip(self.walls, arms))
+        else:
+            self._course = course(one.motion, stop)
+            self.ends, self.speed = (float(self._course[1].max()), float(self._course[1].min())), arms[0]
 
-    @classmethod
-    def of(cls, one: Wall, other: Wall, spacing: float, stop: float) -> "_Pair":
-        a, b = outline_of(one), outline_of(other)
-        if isinstance(other.motion, AtRest):
-            times, values = course(one.motion, stop)
-            return cls(lambda u: (_moved(a, one.motion, u), b), (float(values.max()), float(values.min())),
-                       _arm(one.motion, a), lambda u: _first(times, values, u), False, spacing, (one, other))
-        speed = 1.2 * sum(wall.motion.top_rate * _arm(wall.motion, outline)
-                          for wall, outline in ((one, a), (other, b)))
-        return cls(lambda u: (_moved(a, one.motion, one.motion.law(u)[0]), _moved(b, other.motion,
-                   other.motion.law(u)[0])), (stop,), speed, lambda u: u, True, spacing, (one, other))
+    def when(self, u: float) -> float:
+        """Return the first time [s] of a value."""
+        return u if self.timed else _first(*self._course, u)
 
-    def distance(self, u: float) -> tuple[float, Floats]:
-        """Return how far the bodies are apart [m], 0 if they cross, and where."""
-        a, b = self.pose(u)
-        return distance_between(a, b)
+    def placed(self, k: int, x: Floats, u: float) -> Floats:
+        """Return where points x (n, 2) [m] of one of the bodies are at a value."""
+        motion = self.walls[k].motion
+        return motion.placed(x, u) if self.timed else x if k else motion.placed_by(x, u)
 
-    def steps(self, length: float) -> Iterator[float]:
-        """Yield values, in both directions from 0, between which points move by about a length [m]."""
-        for end in self.ends:
-            yield from np.linspace(0.0, end, 2 + min(int(abs(end) * self.speed / length), DIVIDED))
+    def pose(self, u: float) -> tuple[Solid, Solid]:
+        """Return the outlines at a value."""
+        one, other = (replace(outline, points=self.placed(k, outline.points, u))
+                      for k, outline in enumerate(self.outlines))
+        return one, other
 
 
-def _moved(outline: Outline, motion: Motion, value: float) -> Outline:
-    return replace(outline, points=motion.placed_by(outline.points, value))
-
-
-def _arm(motion: Motion, outline: Outline) -> float:
+def _arm(motion: Motion, outline: Solid) -> float:
     """Return by how much points move for a unit of the law: 1, or the arm [m] of a rotation."""
     if not isinstance(motion, Rotation):
         return 1.0
@@ -121,28 +111,25 @@ def _first(times: Floats, values: Floats, value: float) -> float:
     return float(times[k - 1] + np.clip(share, 0.0, 1.0) * (times[k] - times[k - 1]))
 
 
-def distance_between(a: Outline, b: Outline) -> tuple[float, Floats]:
+def distance_between(a: Solid, b: Solid) -> tuple[float, Floats]:
     """Return the distance of two outlines [m], 0 where pieces cross, and the place (2,) [m]."""
-    p, d, q, e = a.starts, a.ends - a.starts, b.starts, b.ends - b.starts
-    apart = q[None] - p[:, None]
-    slant = d[:, None, 0] * e[None, :, 1] - d[:, None, 1] * e[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (apart[..., 0] * e[None, :, 1] - apart[..., 1] * e[None, :, 0]) / slant
-        u = (apart[..., 0] * d[:, None, 1] - apart[..., 1] * d[:, None, 0]) / slant
-    cross = np.argwhere((t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0))
-    if len(cross):
-        i, j = cross[0]
+    p, q = a.elements[:, 0], b.elements[:, 0]
+    d, e = a.elements[:, 1] - p, b.elements[:, 1] - q
+    t, u = meet(p[:, None], d[:, None], q, e)
+    crossed = np.argwhere((t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0))
+    if len(crossed):
+        i, j = crossed[0]
         return 0.0, p[i] + t[i, j] * d[i]
     best: tuple[float, Floats] = (np.inf, np.full(2, np.nan))
     for points, outline in ((a.points, b), (b.points, a)):
-        near, _, foot = nearest(points, np.stack([outline.starts, outline.ends], axis=1))
+        near, _, foot = nearest(points, outline.elements)
         k = int(np.argmin(near))
         if near[k] < best[0]:
             best = float(near[k]), foot[k]
     return best
 
 
-def _apart(pair: _Pair) -> tuple[float, float, Floats] | None:
+def _apart(pair: _Pair) -> tuple[float, float, Floats]:
     """Return what two bodies that are apart at the start come to: distance, 0 if they reach each other, value, place.
 
     They reach each other where they come nearer than CONTACT.
@@ -153,7 +140,7 @@ def _apart(pair: _Pair) -> tuple[float, float, Floats] | None:
         u, best = 0.0, (np.inf, 0.0, np.zeros(2))
         shortest = abs(end) / MOST if pair.timed else 0.0
         while True:
-            distance, at = pair.distance(u)
+            distance, at = distance_between(*pair.pose(u))
             if distance < best[0]:
                 best = distance, u, at
             if distance < close or u == end:
@@ -164,24 +151,26 @@ def _apart(pair: _Pair) -> tuple[float, float, Floats] | None:
     return min(met, key=lambda found: (found[0], pair.when(found[1])))
 
 
-def _together(pair: _Pair) -> tuple[float, float, Floats] | None:
-    """Return what two bodies that touch at the start come to, as `_apart`, or None.
+def _together(pair: _Pair) -> tuple[float, float, Floats]:
+    """Return what two bodies that touch at the start come to, as `_apart`.
 
     They reach each other where one gets into the other that was not in it. What slides along another does not.
     """
-    first = pair.pose(0.0)
-    checks = [(k, _places(first[k], pair.spacing)) for k in _solid_against(pair)]
-    kept = [(k, places[~_behind(places, first[1 - k], pair.spacing)]) for k, places in checks]
-    # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
-    kept = [(k, places) for k, places in kept if k == 0 or len(places) == len(dict(checks)[k])]
-    found = []
-    for u in pair.steps(0.5 * pair.spacing):
-        pose = pair.pose(u)
-        for k, places in kept:
-            at = places if k and not pair.timed else _carried(places, pair.walls[k].motion, u, pair.timed)
-            inside = _behind(at, pose[1 - k], pair.spacing)
-            if inside.any():
-                found.append((0.0, u, at[inside][0]))
+    first, kept, found = pair.pose(0.0), [], []
+    for k in _solid_against(pair):
+        places, _ = _places(first[k].elements, pair.spacing)
+        behind = first[1 - k].depth(places) > CONTACT * pair.spacing
+        # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
+        if k == 0 or not behind.any():
+            kept.append((k, places[~behind]))
+    for end in pair.ends:
+        for u in np.linspace(0.0, end, 2 + min(int(2.0 * abs(end) * pair.speed / pair.spacing), DIVIDED)).tolist():
+            pose = pair.pose(u)
+            for k, places in kept:
+                at = pair.placed(k, places, u)
+                inside = pose[1 - k].depth(at) > CONTACT * pair.spacing
+                if inside.any():
+                    found.append((0.0, u, at[inside][0]))
     if found:
         return min(found, key=lambda met: pair.when(met[1]))
     return min((_squeezed(pair, u) for u in pair.ends), key=lambda met: met[0])
@@ -204,46 +193,19 @@ def _solid_against(pair: _Pair) -> list[int]:
     return [k for k in (0, 1) if not isinstance(pair.walls[1 - k], Plate) and (k == 0 or not thin[0])]
 
 
-def _carried(places: Floats, motion: Motion, u: float, timed: bool) -> Floats:
-    return motion.placed(places, u) if timed else motion.placed_by(places, u)
+def _places(elements: Floats, spacing: float) -> tuple[Floats, Ints]:
+    """Return the middles (n, 2) [m] of parts of elements (M, 2, 2) [m], of about a spacing, and their elements (n,)."""
+    along = elements[:, 1] - elements[:, 0]
+    # ROUNDING: as many where it is turned
+    many = (np.linalg.norm(along, axis=1) / spacing + ROUNDING).astype(np.int64).clip(1, DIVIDED)
+    own: Ints = np.repeat(np.arange(len(many)), many)
+    share = (np.arange(len(own)) - np.repeat(np.cumsum(many) - many, many) + 0.5) / many[own]
+    places: Floats = elements[own, 0] + share[:, None] * along[own]
+    return places, own
 
 
-def _places(outline: Outline, spacing: float) -> Floats:
-    """Return the middles (n, 2) [m] of parts of an outline, of about a spacing."""
-    found = []
-    for a, b in zip(outline.starts, outline.ends):
-        many = int(np.clip(np.linalg.norm(b - a) / spacing + ROUNDING, 1, DIVIDED))    # as many where it is turned
-        found.append(a + ((np.arange(many) + 0.5) / many)[:, None] * (b - a))
-    return np.concatenate(found)
-
-
-def _behind(x: Floats, outline: Outline, spacing: float) -> np.ndarray:
-    """Return which points (n, 2) [m] are behind an outline by more than CONTACT, (n,) bool."""
-    behind = ~outline.in_front(x)
-    if behind.any():
-        far, _, _ = nearest(x[behind], np.stack([outline.starts, outline.ends], axis=1))
-        behind[behind] = far > CONTACT * spacing
-    return behind
-
-
-def _facing(a: Outline, b: Outline, spacing: float) -> tuple[Floats, Floats]:
-    """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one outline to the other, where this
+def _facing(a: Solid, b: Solid, spacing: float) -> tuple[Floats, Floats]:
+    """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one solid to the other, where this
     faces it, inf elsewhere, and these places."""
-    normal, e = _unit(area_vectors(np.stack([b.starts, b.ends], axis=1))), b.ends - b.starts
-    gaps, places = [], []
-    for start, end in zip(a.starts, a.ends):
-        way = _unit(area_vectors(np.array([[start, end]])))[0]
-        m = _places(Outline(np.array([start, end]), False), spacing)
-        apart, slant = b.starts[None] - m[:, None], way[0] * e[:, 1] - way[1] * e[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (apart[..., 0] * e[:, 1] - apart[..., 1] * e[:, 0]) / slant
-            u = (apart[..., 0] * way[1] - apart[..., 1] * way[0]) / slant
-        hit = (t > -CONTACT * spacing) & (u >= 0.0) & (u <= 1.0) & (normal @ way < FACING)
-        gaps.append(np.where(hit, t, np.inf).min(axis=1))
-        places.append(m)
-    return np.concatenate(gaps), np.concatenate(places)
-
-
-def _unit(vectors: Floats) -> Floats:
-    length: Floats = np.linalg.norm(vectors, axis=1)[:, None]
-    return vectors / length
+    places, own = _places(a.elements, spacing)
+    return across(places, unit_normals(a.elements)[own], b.elements, FACING, -CONTACT * spacing)[0], places

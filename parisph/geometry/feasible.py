@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from parisph.base.text import rounded_down
-from parisph.case.bodies import Obstacle, Profile, StillWater
+from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
-from parisph.geometry.distance import nearest
+from parisph.geometry.distance import across, area_vectors, nearest, on_segments, unit_normals
 from parisph.geometry.encounters import distance_between
 from parisph.geometry.fill import Filling, taken
-from parisph.geometry.mesh import WallMesh, area_vectors, chains_of, motion_numbers, stretches, wall_mesh
-from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area, way_beyond
+from parisph.geometry.mesh import WallMesh, chains_of, motion_numbers, stretches, wall_mesh
 from parisph.geometry.polygons import Chain
+from parisph.geometry.solid import Wall, in_fluid, signed_area, solid_of, way_beyond
 from parisph.geometry.tips import Filled
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
@@ -24,7 +24,6 @@ FLAT = 10.0      # degrees: on a slope as flat, the tip of the water is one part
 RESTLESS = ", and waves that reach it may gain energy; to take them up, use a Sponge in place of the slope"
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: what is said to do, does
-PAIRS = 2**20    # of an element and a piece that are looked at in one go
 
 
 def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
@@ -34,9 +33,9 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     holes : of each body of fluid; titles : their names in messages
     """
-    if walls and _nothing_touched(walls, spacing):
+    if walls and not chains_of(walls, spacing):
         return ["no wall touches fluid: each body lies inside another"]
-    found, mesh = [], None
+    found = []
     if walls:
         chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
         names = [body.name for body in mesh.bodies]
@@ -44,7 +43,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
         if clear:    # and all else that is said of these walls would mislead
             return clear
         found += [*_hidden(chains, walls, names), *_open_ends(chains, mesh, walls, fluids, spacing)]
-    return [*found, *_filled(walls, fluids, mesh, spacing, holes, titles)]
+    return [*found, *_filled(walls, fluids, spacing, holes, titles)]
 
 
 def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
@@ -53,10 +52,6 @@ def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacin
     names = [body.name for body in mesh.bodies]
     return [*_wedges(chains, names), *_beaches(mesh, names, fluids),
             *_narrow(*resting(mesh, chains), walls, names, spacing), *_short(chains, walls, names, spacing)]
-
-
-def _nothing_touched(walls, spacing):
-    return not chains_of(walls, spacing)
 
 
 def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Chain]]:
@@ -74,54 +69,25 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain],
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
     another. walls : of these, bodies beside what is Filled are left out: with any spacing they come as near as that.
     """
-    best = np.inf, np.full(2, np.nan), -1, -1
-    if not chains or not len(mesh.elements):
-        return best
-    a, b, owner = _pieces(chains)
-    corners = mesh.corners()
-    middle, way = corners.mean(axis=1), _unit_normals(corners)
-    normal, e = _unit_normals(np.stack([a, b], axis=1)), b - a
-    filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
-    rows = max(PAIRS // len(a), 1)
-    for low in range(0, len(middle), rows):
-        m, n = middle[low : low + rows, None], way[low : low + rows, None]
-        apart, slant = a - m, n[..., 0] * e[:, 1] - n[..., 1] * e[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (apart[..., 0] * e[:, 1] - apart[..., 1] * e[:, 0]) / slant
-            u = (apart[..., 0] * n[..., 1] - apart[..., 1] * n[..., 0]) / slant
-        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (way[low : low + rows] @ normal.T < 0.0)
-        t = np.where(hit, t, np.inf)
-        first = t.argmin(axis=1)
-        gap = t[np.arange(len(t)), first]
-        for k in np.argsort(gap, kind="stable"):    # the least first, so that few are looked at
-            if not gap[k] < best[0]:
-                break
-            pair = int(mesh.element_body[low + k]), int(owner[first[k]])
+    if chains and len(mesh.elements):
+        pieces, owner = (np.concatenate(parts) for parts in zip(*((chain.elements, chain.body) for chain in chains)))
+        middle, way = mesh.corners().mean(axis=1), unit_normals(mesh.corners())
+        filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
+        gap, piece = across(middle, way, pieces)
+        for k in np.argsort(gap, kind="stable")[: np.count_nonzero(np.isfinite(gap))]:
+            pair = int(mesh.element_body[k]), int(owner[piece[k]])
             beside = any(number in pair or set(pair) == set(own) for number, own in filled.items())
-            if not beside and not _meet(a, b, first[k], middle[low + k]):
-                best = float(gap[k]), middle[low + k] + 0.5 * gap[k] * way[low + k], *pair
-    return best
+            if not beside and not _meet(pieces, piece[k], middle[k]):
+                return float(gap[k]), middle[k] + 0.5 * gap[k] * way[k], *pair
+    return np.inf, np.full(2, np.nan), -1, -1
 
 
-def _unit_normals(corners):
-    normal = area_vectors(corners)
-    return normal / np.linalg.norm(normal, axis=1)[:, None]
-
-
-def _meet(a, b, piece, m):
+def _meet(pieces, piece, m):
     """Return whether a piece joins the one on which the place m lies: then they make a wedge, not a gap."""
-    along = b - a
-    t = np.clip(np.sum((m - a) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
-    own = np.argmin(np.linalg.norm(m - a - t[:, None] * along, axis=1))
-    close = 1e-6 * np.linalg.norm(along[own])
+    a, b = pieces[:, 0], pieces[:, 1]
+    own = np.argmin(np.linalg.norm(m - on_segments(m, a, b), axis=1))
+    close = 1e-6 * np.linalg.norm(b[own] - a[own])
     return bool((np.linalg.norm(a[own] - b[piece]) < close) or (np.linalg.norm(b[own] - a[piece]) < close))
-
-
-def _pieces(chains):
-    """Return the straight pieces of all chains, (n, 2) each, and their bodies (n,)."""
-    ends = [np.roll(chain.points, -1, axis=0) if chain.closed else chain.points[1:] for chain in chains]
-    starts = [chain.points if chain.closed else chain.points[:-1] for chain in chains]
-    return np.concatenate(starts), np.concatenate(ends), np.concatenate([chain.body for chain in chains])
 
 
 def _at(x):
@@ -132,7 +98,7 @@ def _thin(walls, names, spacing) -> Iterator[str]:
     """Solids too thin to tell their inside from the fluid."""
     for wall, name in zip(walls, names):
         if isinstance(wall, Obstacle) and not isinstance(wall, Filled):
-            thick = _thickness(outline_of(wall))
+            thick = _thickness(solid_of(wall))
             if thick < (1.0 - ROUNDING) * THIN * spacing:
                 yield (f"walls, {name}: is {thick:.2g} m thick, {thick / spacing:.2g} spacings, must be at least "
                        f"{THIN:g}, {THIN * spacing:.2g} m; give a Plate, which has no thickness, make it thicker, or "
@@ -141,13 +107,13 @@ def _thin(walls, names, spacing) -> Iterator[str]:
 
 def _thickness(outline):
     """Return the shorter side [m] of the rectangle with the area and the circumference of an outline."""
-    quarter = 0.25 * float(np.linalg.norm(outline.ends - outline.starts, axis=1).sum())
+    quarter = 0.25 * float(np.linalg.norm(area_vectors(outline.elements), axis=1).sum())
     return quarter - np.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
 
 
 def _parted(walls, names, spacing) -> Iterator[str]:
     """Profiles that end at one place or in one line, but lie behind each other, as each goes on beyond its ends."""
-    profiles = [(wall, name, outline_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
+    profiles = [(wall, name, solid_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
     for number, (wall, name, one) in enumerate(profiles):
         for beside, also, other in profiles[number + 1 :]:
             pairs = [(p, q) for p in (one, one[::-1]) for q in (other, other[::-1])] if (
@@ -155,7 +121,7 @@ def _parted(walls, names, spacing) -> Iterator[str]:
             for (end, back), (start, on) in ((p[:2], q[:2]) for p, q in pairs):
                 if np.linalg.norm(start - end) < 1e-6 * spacing:
                     middles = 0.5 * np.array([[end + on], [start + back]])
-                    if not all(outline_of(w).in_front(x)[0] for w, x in zip((wall, beside), middles)):
+                    if not all(solid_of(w).in_front(x)[0] for w, x in zip((wall, beside), middles)):
                         yield (f"walls, {name} and {also}: both end at {_at(end)}, and each goes on straight beyond "
                                "its end, where the other lies; give them as one Profile, or correct the side of their "
                                "fluid")
@@ -180,7 +146,7 @@ def _hidden(chains, walls, names) -> Iterator[str]:
 def _turned_in(walls, names) -> Iterator[str]:
     """Profiles that would meet themselves however they go on beyond their ends."""
     for wall, name in zip(walls, names):
-        if isinstance(wall, Profile) and way_beyond(outline_of(wall).points) is None:
+        if isinstance(wall, Profile) and way_beyond(solid_of(wall).points) is None:
             yield (f"walls, {name}: its ends lead back to it, so that neither side is outside; lead both ends up above "
                    "the water beside each other, or give an Obstacle(Polygon(...)), which is closed")
 
@@ -247,9 +213,9 @@ def _open_ends(chains, mesh, walls, fluids, spacing) -> Iterator[str]:
     What moves may have gaps beside it; what is behind it has no fluid.
     """
     tops = [fluid.level if isinstance(fluid, StillWater) else fluid.bounds[1][1] for fluid in fluids]
-    top, outlines = max(tops, default=-np.inf), [outline_of(wall) for wall in walls]
+    top = max(tops, default=-np.inf)
     moving = np.array(motion_numbers(walls)) != 0
-    movers = [outline for outline, moves in zip(outlines, moving) if moves]
+    movers = [wall for wall, moves in zip(walls, moving) if moves]
     for chain in chains:
         if chain.closed or moving[chain.body].any():
             continue
@@ -265,22 +231,22 @@ def _is_near(fluid, x, spacing):
     return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
-def _filled(walls, fluids, mesh, spacing, holes, titles) -> Iterator[str]:
+def _filled(walls, fluids, spacing, holes, titles) -> Iterator[str]:
     """Bodies of fluid without particles, or too near to one another to be apart. They give way to those before them."""
     for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         still = isinstance(fluid, StillWater)
-        if still and mesh is None:
+        if still and not walls:
             yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
         if still and any(isinstance(other, StillWater) for other in fluids[:number]):
             yield f"{title}: there is still water before it; give one, with the higher level"
             continue
         others = taken(fluids, holes, number)
-        fill = Filling(fluid, walls, mesh, spacing, own, others)
+        fill = Filling(fluid, walls, spacing, own, others)
         if fill.count == 0:
-            if own and Filling(fluid, walls, mesh, spacing, (), others).count:
+            if own and Filling(fluid, walls, spacing, (), others).count:
                 yield f"{title}.holes: they leave none of its particles; make them smaller, or leave this fluid out"
-            elif others and Filling(fluid, walls, mesh, spacing, own).count:
+            elif others and Filling(fluid, walls, spacing, own).count:
                 yield f"{title} ({fluid.kind}): it has no particles, because it lies in other fluid; leave it out"
             else:
                 yield (f"{title} ({fluid.kind}): it has no particles: it is thinner than a spacing, or behind the "
@@ -293,14 +259,13 @@ def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
     """Bodies of fluid that are less than a spacing apart: their particles would be nearer than that."""
     if isinstance(fluids[number], StillWater):
         return
-    one = outline_of(Obstacle(shape=fluids[number]))
+    one = solid_of(Obstacle(shape=fluids[number]))
     for other, title in zip(fluids[:number], titles):
         if isinstance(other, StillWater) or _boxes_apart(fluids[number], other, spacing):
             continue
-        beside = outline_of(Obstacle(shape=other))
+        beside = solid_of(Obstacle(shape=other))
         gap, at = distance_between(one, beside)
-        at = sum(nearest(at[None], np.stack([outline.starts, outline.ends], axis=1))[2][0]
-                 for outline in (one, beside)) / 2.0
+        at = sum(nearest(at[None], outline.elements)[2][0] for outline in (one, beside)) / 2.0
         within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])
         if not within.any() and FIT * spacing < gap < (1.0 - FIT) * spacing and not _wall_at(walls, at, gap):
             yield (f"{titles[number]} and {title}: they are {gap:.3g} m apart at {_at(at)}, {gap / spacing:.2g} "
@@ -316,6 +281,5 @@ def _boxes_apart(one, other, spacing):
 
 def _wall_at(walls, at, gap):
     """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
-    outlines = [outline_of(wall) for wall in walls]
-    return not in_fluid(outlines, at[None])[0] or any(nearest(at[None], np.stack(
-        [outline.starts, outline.ends], axis=1))[0][0] < gap for outline in outlines if outline.two_sided)
+    return not in_fluid(walls, at[None])[0] or any(
+        nearest(at[None], solid_of(wall).elements)[0][0] < gap for wall in walls if isinstance(wall, Plate))

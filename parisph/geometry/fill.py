@@ -12,9 +12,9 @@ from parisph.case.bodies import StillWater
 from parisph.case.lattice import FIT, STRETCH, Lattice
 from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import WallMesh, area_vectors
-from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, nearest
+from parisph.geometry.mesh import wall_mesh
+from parisph.geometry.solid import Wall, corners_of, in_fluid
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
 # The same on the surface where nothing is below: nearer to a slope of 15 degrees, its last particle slides off, by a
@@ -47,7 +47,6 @@ class Filling:
     ----------
     shape : Box, Disc, Polygon or StillWater
     walls : all bodies of the scene, where they are at the start, in front of which the fluid is
-    mesh : WallMesh of these walls, None without walls
     spacing : [m]
     holes : shapes without fluid inside this one
     others : other fluid, from which this keeps half a spacing: shapes, and the holes of each; see `taken`
@@ -61,12 +60,12 @@ class Filling:
     even : whether they lie on the lattice of the tank, which is the only wall, or there is no wall
     """
 
-    def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], mesh: WallMesh | None, spacing: float,
-                 holes: Sequence[Shape] = (), others: Sequence[Taken] = (),
-                 rise: Callable[[np.ndarray], np.ndarray] | None = None) -> None:
+    def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], spacing: float, holes: Sequence[Shape] = (),
+                 others: Sequence[Taken] = (), rise: Callable[[np.ndarray], np.ndarray] | None = None) -> None:
+        mesh = wall_mesh(walls, spacing) if walls else None
         self._rise = rise
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
-        self._outlines = [outline_of(wall) for wall in walls]
+        self.walls = tuple(walls)
         tank = next((wall for wall in walls if isinstance(wall, Tank)), None)
         self.even = not walls
         self.origin, self.step, first, last = self._frame(tank, mesh, len(walls))
@@ -79,7 +78,7 @@ class Filling:
         kept = end >= begin
         line, begin, end = line[kept], begin[kept], end[kept]
         middle = np.stack([line + first[0], (begin + end) // 2], axis=1)
-        kept = in_fluid(self._outlines, self.position(middle))
+        kept = in_fluid(walls, self.position(middle))
         if mesh is not None and isinstance(shape, StillWater):
             kept &= ~self._in_tip(middle, begin, end, mesh)
         self._line, self._begin = line[kept], begin[kept]
@@ -216,6 +215,17 @@ class Filling:
         for hole in self.holes:
             inside &= ~hole.inside(x, -edge) if not hasattr(hole, "points") else ~hole.inside(x, 0.0)
         return inside
+
+    def wet(self, x: np.ndarray) -> np.ndarray:
+        """Return which points x (n, 2) [m] are in this fluid, without the elevation of still water, (n,) bool."""
+        found = x[:, 1] <= self.shape.level if isinstance(self.shape, StillWater) else self.shape.inside(x, 0.0)
+        for hole in self.holes:
+            found &= ~hole.inside(x, 0.0)
+        for other, holes in self.others:
+            found &= ~other.inside(x, 0.0) | np.any([np.zeros(len(x), bool), *(hole.inside(x, 0.0) for hole in holes)],
+                                                    axis=0)
+        found[found] = in_fluid(self.walls, x[found])
+        return found
 
 
 def _on_lattice(box, tank, spacing):

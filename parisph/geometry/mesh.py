@@ -16,8 +16,9 @@ from parisph.case.lattice import Lattice
 from parisph.case.motion import AtRest, Motion
 from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
-from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.distance import area_vectors
 from parisph.geometry.polygons import CLOSE, Chain, joined
+from parisph.geometry.solid import Wall, solid_of
 
 SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
 # By which a smooth line turns in an element at most, so that a disc has eight: with three to six, still water beside
@@ -81,14 +82,6 @@ def no_mesh(dim: int) -> WallMesh:
                     numbers)
 
 
-def area_vectors(corners: np.ndarray) -> np.ndarray:
-    """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
-    along = corners[:, 1] - corners[:, 0]
-    if corners.shape[2] == 2:
-        return np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
-    return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
-
-
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     """Return the mesh of the walls of a scene (2D), each in its own frame, as at t = 0.
 
@@ -113,7 +106,9 @@ def _wall_mesh(walls, spacing):
         raise CaseError(f"walls: no fluid touches any of {names}: each lies inside another")
     meshes, tank = [], _lone_tank(walls, chains)
     if tank is not None:
-        meshes.append(_numbered(block_mesh(_tank_lattice(walls[tank], spacing)), tank))
+        wall = walls[tank]
+        mesh = block_mesh(Lattice(Box(width=wall.width, height=wall.height, at=wall.at), wall, spacing))
+        meshes.append(replace(mesh, body=mesh.body + np.int32(tank), element_body=mesh.element_body + np.int32(tank)))
     meshes += [chain_mesh(chain, spacing) for chain in chains if tank is None or not np.all(chain.body == tank)]
     return _together(meshes, bodies)
 
@@ -129,7 +124,7 @@ def _chains_of(walls, spacing):
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)
-        for chain in joined([outline_of(walls[k]) for k in members], spacing):
+        for chain in joined([solid_of(walls[k]) for k in members], spacing):
             chains.append(replace(chain, body=members[chain.body]))
     return tuple(chains)
 
@@ -158,10 +153,6 @@ def _lone_tank(walls, chains):
             whole = len(own) == 1 and np.all(own[0].body == number) and len(own[0].points) == 4
             return number if whole else None
     return None
-
-
-def _tank_lattice(tank, spacing):
-    return Lattice(Box(width=tank.width, height=tank.height, at=tank.at), tank, spacing)
 
 
 def block_mesh(lattice: Lattice) -> WallMesh:
@@ -277,21 +268,23 @@ def _breaks(chain):
 
 def _divided(way, spacing, least):
     """Divide a line through points (n, 2) into round(length / s) pieces of equal length along it."""
-    reach = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    reach = reaches(way)
     pieces = max(round(reach[-1] / spacing), least)
     if len(way) == 2:
         inner = way[0] + np.arange(1, pieces)[:, None] * ((way[1] - way[0]) / pieces)
     else:
-        at = reach[-1] * np.arange(1, pieces) / pieces
-        inner = np.stack([np.interp(at, reach, way[:, axis]) for axis in range(2)], axis=1)
+        inner = places_along(way, reach, reach[-1] * np.arange(1, pieces) / pieces)
     return np.concatenate([way[:1], inner, way[-1:]])
 
 
-def _numbered(mesh, body):
-    """Return a mesh of one body with another number of that body."""
-    values = dict(vars(mesh))
-    values["body"], values["element_body"] = mesh.body + np.int32(body), mesh.element_body + np.int32(body)
-    return WallMesh(**values)
+def reaches(way: np.ndarray) -> np.ndarray:
+    """Return how far it is along a line through points (n, dim) [m] to each of them, (n,) [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+
+
+def places_along(way: np.ndarray, reach: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Return the places (m, dim) [m] at distances (m,) [m] along such a line, of whose points `reach` are these."""
+    return np.stack([np.interp(along, reach, column) for column in way.T], axis=1)
 
 
 def _together(meshes, bodies):

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parisph.geometry.columns import overlapping
-from parisph.geometry.outline import Outline
+from parisph.geometry.columns import cross, meet, overlapping
+from parisph.geometry.solid import Solid
 
 CLOSE = 1e-6    # spacings: points nearer than this are one
 
@@ -31,33 +31,20 @@ class Chain:
     angle: np.ndarray
     closed: bool
 
+    @property
+    def elements(self) -> np.ndarray:
+        """The first and the last point of each piece, (pieces, 2, 2) [m]."""
+        return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)[: len(self.body)]
 
-def joined(outlines: Sequence[Outline], spacing: float) -> list[Chain]:
+
+def joined(outlines: Sequence[Solid], spacing: float) -> list[Chain]:
     """Return the chains that the fluid between all outlines touches.
 
     outlines : of bodies number 0, 1, ... that do not move against each other; spacing : [m]
     """
-    if len(outlines) == 1:
-        return [_alone(outlines[0])]
     points, pieces, body = _cut(outlines, CLOSE * spacing)
     keep = _seen(outlines, points, pieces, body)
     return _chains(points, pieces[keep], body[keep])
-
-
-def _alone(outline):
-    back, ahead = _directions(outline)
-    angle = np.full(len(outline.points), np.pi)
-    own = slice(None) if outline.closed else slice(1, -1)
-    angle[own] = _fluid_angle(back, ahead)
-    return Chain(outline.points, np.zeros(len(outline.starts), dtype=np.int64), angle, outline.closed)
-
-
-def _directions(outline):
-    """Return the directions back and ahead at the points where two pieces join, (n, 2) each."""
-    p = outline.points
-    if outline.closed:
-        return np.roll(p, 1, axis=0) - p, np.roll(p, -1, axis=0) - p
-    return p[:-2] - p[1:-1], p[2:] - p[1:-1]
 
 
 def _fluid_angle(back, ahead):
@@ -68,18 +55,13 @@ def _fluid_angle(back, ahead):
 
 def _cut(outlines, close):
     """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and their bodies (m,)."""
-    a, b = np.concatenate([o.starts for o in outlines]), np.concatenate([o.ends for o in outlines])
-    body = np.repeat(np.arange(len(outlines)), [len(o.starts) for o in outlines])
-    places, owner, along = [a, b], [], []
-    for i, others in _near(a, b, body, close):
-        t = _meetings(a, b, i, others, close)
-        places.append(a[i] + t[:, None] * (b[i] - a[i]))
-        owner.append(np.full(len(t), i))
-        along.append(t)
-    number, points = _merged(np.concatenate(places), close)
+    a, b = np.concatenate([outline.elements for outline in outlines]).swapaxes(0, 1)
+    body = np.repeat(np.arange(len(outlines)), [len(outline.elements) for outline in outlines])
+    owner, along = _meetings(a, b, body, close)
+    number, points = _merged(np.concatenate([a, b, a[owner] + along[:, None] * (b - a)[owner]]), close)
     first, last, between = number[: len(a)], number[len(a) : 2 * len(a)], number[2 * len(a) :]
-    owner = np.concatenate([np.arange(len(a)), *owner, np.arange(len(a))]).astype(np.int64)
-    along = np.concatenate([np.zeros(len(a)), *along, np.ones(len(a))])
+    owner = np.concatenate([np.arange(len(a)), owner, np.arange(len(a))])
+    along = np.concatenate([np.zeros(len(a)), along, np.ones(len(a))])
     at = np.concatenate([first, between, last])
     order = np.lexsort([along, owner])
     owner, at = owner[order], at[order]
@@ -87,36 +69,26 @@ def _cut(outlines, close):
     return points, np.stack([at[:-1], at[1:]], axis=1)[real], body[owner[:-1][real]]
 
 
-def _near(a, b, body, close):
-    """Return the pieces that may meet those of other bodies, each with these: [(number, numbers (n,))]."""
-    pairs = list(overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close))
-    one, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
-    apart = body[one] != body[other]
-    piece, others = np.concatenate([one[apart], other[apart]]), np.concatenate([other[apart], one[apart]])
-    order = np.lexsort([others, piece])
-    found, first = np.unique(piece[order], return_index=True)
-    return list(zip(found.tolist(), np.split(others[order], first[1:])))
-
-
-def _meetings(a, b, i, other, close):
-    """Return where along piece i other pieces touch or cross it, as parts of its length between 0 and 1."""
-    p, q, d = a[other], b[other], b[i] - a[i]
-    length = np.hypot(*d)
-    touching = np.concatenate([p, q]) - a[i]
-    on = np.abs(_cross(d, touching)) <= close * length
-    found = [touching[on] @ d / length**2]
-    e = q - p
-    slant = _cross(d, e)
-    crossing = np.abs(slant) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])
-    t = _cross(p[crossing] - a[i], e[crossing]) / slant[crossing]
-    u = _cross(p[crossing] - a[i], d) / slant[crossing]
-    found.append(t[(u >= 0.0) & (u <= 1.0)])
-    t = np.concatenate(found)
-    return t[(t * length > close) & ((1.0 - t) * length > close)]
-
-
-def _cross(a, b):
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+def _meetings(a, b, body, close):
+    """Return which pieces others touch or cross, and where, as parts of their length between 0 and 1, (n,) each."""
+    pairs = np.concatenate([np.stack(pair) for pair in overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close)],
+                           axis=1)
+    pairs = np.concatenate([pairs, pairs[::-1]], axis=1)
+    i, j = pairs[:, np.lexsort(pairs[::-1])]
+    i, j = i[body[i] != body[j]], j[body[i] != body[j]]
+    d, e = (b - a)[i], (b - a)[j]
+    length = np.hypot(d[:, 0], d[:, 1])
+    t, u = meet(a[i], d, a[j], e)
+    slanted = np.abs(cross(d, e)) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])
+    found = []
+    for end in (a, b):
+        apart = end[j] - a[i]
+        found.append(np.where(np.abs(cross(d, apart)) <= close * length, np.sum(d * apart, axis=1) / length**2, np.nan))
+    t = np.concatenate([*found, np.where(slanted & (u >= 0.0) & (u <= 1.0), t, np.nan)])
+    owner, length = np.tile(i, 3), np.tile(length, 3)
+    inner = np.argsort(owner, kind="stable")    # of a piece, touching ends first: they are what close places become
+    inner = inner[((t * length > close) & ((1.0 - t) * length > close))[inner]]
+    return owner[inner], t[inner]
 
 
 def _merged(places, close):

@@ -10,8 +10,9 @@ from parisph.case.motion import AtRest
 from parisph.case.probes import singles
 from parisph.case.scene import Scene
 from parisph.geometry.build import domain
-from parisph.geometry.mesh import WallMesh, area_vectors, wall_mesh
-from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.distance import area_vectors
+from parisph.geometry.mesh import WallMesh, wall_mesh
+from parisph.geometry.solid import Wall, in_fluid
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid.
 SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
@@ -28,13 +29,10 @@ class Places:
     def __init__(self, case: Scene, walls: tuple[Wall, ...]) -> None:
         self.case, self.walls, self.spacing = case, walls, case.numerics.spacing
         self.mesh = wall_mesh(walls, self.spacing) if walls else None
-        self._outlines = [outline_of(wall) for wall in walls]
 
     def in_front(self, x: Floats, resting: bool = False) -> bool:
         """Return whether any of the points x (n, 2) [m] is where fluid may be; resting : between walls at rest alone"""
-        outlines = [outline for outline, wall in zip(self._outlines, self.walls)
-                    if not resting or isinstance(wall.motion, AtRest)]
-        return bool(in_fluid(outlines, x).any())
+        return bool(in_fluid([wall for wall in self.walls if not resting or isinstance(wall.motion, AtRest)], x).any())
 
     def has_room(self, x: float) -> bool:
         """Return whether there is room for fluid above x [m]."""

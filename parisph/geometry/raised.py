@@ -1,6 +1,6 @@
 """The raised surface of fluid at the start: columns stretched linearly from the bed to the elevation (2D).
 
-So go the places all over still water, for its volumes, and the particles of a Box.
+This moves the particles of a Box, and the places at which the volume of any fluid is measured.
 """
 
 import numpy as np

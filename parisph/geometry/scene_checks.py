@@ -17,9 +17,10 @@ from parisph.case.shapes import Box, Tank
 from parisph.geometry import feasible, probe_places, wave_places
 from parisph.geometry.build import counts, domain, fillings, has_surface, volume
 from parisph.geometry.encounters import Encounter, encounters
+from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
-from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.quadrature import fluid_area
+from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
@@ -128,7 +129,7 @@ def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
     if not isinstance(maker, (Piston, Flap)) or not isinstance(other, (Tank, Profile)):
         return ""
     on_left, values = maker.fluid_on_left, course(face.motion, case.end_time)[1]
-    x = np.concatenate([face.motion.placed_by(outline_of(face).points, value)[:, 0]
+    x = np.concatenate([face.motion.placed_by(solid_of(face).points, value)[:, 0]
                         for value in (values.min(), values.max())])
     (low, bottom), (high, top) = other.bounds
     if on_left:
@@ -181,7 +182,7 @@ def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
         return
     tank, s = case.tank, case.numerics.spacing
     top, width = float(tank.bounds[1][1]), tank.width
-    if fluid_area(StillWater(level=top), walls, *domain(case), s) - volume(case) < 0.5 * s * width:
+    if fluid_area(Filling(StillWater(level=top), walls, s), *domain(case)) - volume(case) < 0.5 * s * width:
         yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
                f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
                f"{s:g} m")

@@ -11,7 +11,7 @@ from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.shapes import Tank
 from parisph.geometry.columns import crossings
-from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.tips import tips
 
 ON = 1e-6    # of the height of a wavemaker: so near to a wall its hinge lies on it
@@ -76,18 +76,13 @@ def _bed(fixed: Sequence[Wall], x: float) -> float | None:
 
 def _spans(body: Obstacle, x: float) -> list[tuple[float, float]]:
     """Return the lower and the upper ends [m] of what of a solid is at x."""
-    outline = outline_of(body)
-    _, heights = crossings(outline.starts, outline.ends, np.array([x]))
-    heights = np.sort(heights)
-    return [(float(a), float(b)) for a, b in zip(heights[::2], heights[1::2])]
+    heights = np.sort(crossings(*solid_of(body).elements.swapaxes(0, 1), np.array([x]))[1]).tolist()
+    return list(zip(heights[::2], heights[1::2]))
 
 
 def _beds(fixed: Sequence[Wall], x: float) -> np.ndarray:
     """Return the heights (n,) [m] of walls at x with fluid above them."""
-    found = []
-    for body in fixed:
-        outline = outline_of(body)
-        for a, b in zip(outline.starts, outline.ends):
-            if a[0] < b[0] and a[0] <= x <= b[0]:
-                found.append(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]))
-    return np.array(found)
+    a, b = np.concatenate([np.empty((0, 2, 2)), *(solid_of(body).elements for body in fixed)]).swapaxes(0, 1)
+    up = (a[:, 0] < b[:, 0]) & (a[:, 0] <= x) & (x <= b[:, 0])
+    a, along = a[up], (b - a)[up]
+    return a[:, 1] + (x - a[:, 0]) / along[:, 0] * along[:, 1]

@@ -20,9 +20,9 @@ from parisph.case.bodies import Obstacle
 from parisph.case.shapes import Polygon
 from parisph.geometry.columns import overlapping
 from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import chains_of
-from parisph.geometry.outline import Wall
+from parisph.geometry.mesh import chains_of, places_along, reaches
 from parisph.geometry.polygons import CLOSE, Chain
+from parisph.geometry.solid import Wall
 
 SHARP = np.radians(30.0)    # angle of the fluid below which its tip is filled: at 28 degrees water rests, at 21 not
 WIDTH = 0.75     # spacings across the end of what is filled: for particles, and not shorter than elements should be
@@ -101,8 +101,7 @@ def _necks(chains: Sequence[Chain], walls: Sequence[Wall], spacing: float) -> It
         if not one.closed or walls[one.body[0]].motion != walls[other.body[0]].motion:
             continue
         curved = (one.angle > np.pi + CLOSE) & (one.angle < np.pi + BENT)
-        ends = np.roll(other.points, -1, axis=0)[: len(other.body)]
-        gap, piece, foot = nearest(one.points, np.stack([other.points[: len(other.body)], ends], axis=1), reach)
+        gap, piece, foot = nearest(one.points, other.elements, reach)
         least = curved & (gap < reach) & (gap <= np.roll(gap, 1)) & (gap <= np.roll(gap, -1))
         for k in np.flatnonzero(least).tolist():
             at, m = one.points[k], int(piece[k])
@@ -124,14 +123,14 @@ def _apart(one: Floats, other: Floats, spacing: float) -> tuple[Floats, Floats, 
     Both are followed as far as each other.
     """
     sides = one, other
-    reach = [np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(side, axis=0), axis=1))]) for side in sides]
+    reach = [reaches(side) for side in sides]
     along = np.linspace(0.0, min(length[-1] for length in reach), PLACES)
-    across = np.linalg.norm(_at(one, reach[0], along) - _at(other, reach[1], along), axis=1)
+    across = np.linalg.norm(places_along(one, reach[0], along) - places_along(other, reach[1], along), axis=1)
     wide = np.flatnonzero(across >= WIDTH * spacing)
     if not wide.size or wide[0] == 0:
         return None
     far = float(along[wide[0]])
-    back, ahead = (np.concatenate([side[length < far - CLOSE * spacing], _at(side, length, np.array([far]))])
+    back, ahead = (np.concatenate([side[length < far - CLOSE * spacing], places_along(side, length, np.array([far]))])
                    for side, length in zip(sides, reach))
     return back, ahead, far
 
@@ -155,7 +154,3 @@ def _side(chain: Chain, first: int, step: int, start: Floats, spacing: float) ->
             break
     return np.array(found)
 
-
-def _at(side: Floats, reach: Floats, along: Floats) -> Floats:
-    """Return the places (n, 2) [m] at distances (n,) [m] along a side."""
-    return np.stack([np.interp(along, reach, side[:, axis]) for axis in range(2)], axis=1)

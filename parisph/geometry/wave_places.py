@@ -10,7 +10,7 @@ from parisph.case.motion import AtRest
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.geometry.columns import beds
-from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.solid import Wall, solid_of
 
 CLOSE = 0.01    # of the depth of a wave: how far the water may differ
 PLACES = 9      # along a zone
@@ -27,11 +27,11 @@ def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
             if isinstance(maker, Flap) and maker.bed is not None:
                 bed = maker.bed
             yield from _depth(case, f"walls, {name}", maker.wave.depth, np.array([maker.place]), np.array([bed]), None)
-    resting = [outline_of(wall) for wall in walls if isinstance(wall.motion, AtRest)]
+    resting = [solid_of(wall) for wall in walls if isinstance(wall.motion, AtRest)]
     for number, zone in enumerate(case.absorb):
         if isinstance(zone, Relaxation) and resting:
             x = np.linspace(zone.start, zone.end, PLACES + 2)[1:-1]
-            corners = np.concatenate([np.stack([outline.starts, outline.ends], axis=1) for outline in resting])
+            corners = np.concatenate([outline.elements for outline in resting])
             yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from parisph.base.arrays import Floats, Ints
 from parisph.base.fields import DRY, WALL
 from parisph.case.motion import Motion
-from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.geometry.distance import area_vectors
+from parisph.geometry.mesh import CONVEX, WallMesh
 from parisph.geometry.movers import MovedNodes
 
 if TYPE_CHECKING:    # probes are described on machines without MPI

@@ -14,7 +14,7 @@ from parisph.case.bodies import Profile
 from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import build, counts, domain
-from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.pictures import labels, marks, style, window
 from parisph.pictures.frames import TANK, PictureFrame
@@ -45,15 +45,15 @@ def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0
         lower, upper = domain(case)
         floor = float(lower[1] - 0.05 * (upper - lower)[1])
     for wall in standing(case):
-        outline = outline_of(wall)
+        outline = solid_of(wall)
         x = wall.motion.placed(outline.points, time)
         if isinstance(wall, Profile) and wall.side is None:
             ground = seen.placed(np.concatenate([x, [(x[-1, 0], floor), (x[0, 0], floor)]]), time) / length
             axes.fill(*ground.T, color=SOLID, linewidth=0.0, zorder=1.2)
         elif outline.closed and not outline.two_sided and not isinstance(wall, Tank):
             axes.fill(*(seen.placed(x, time) / length).T, color=SOLID, linewidth=0.0, zorder=1.2)
-        line = seen.placed(np.concatenate([x, x[:1]]) if outline.closed else x, time)
-        axes.plot(*(line / length).T, color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
+        axes.plot(*(seen.placed(_closed(wall, time), time) / length).T,
+                  color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
 
 
 def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
@@ -111,7 +111,7 @@ def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, l
 
 def _closed(wall: Wall, time: float) -> Floats:
     """Return the outline (n, 2) [m] of a wall at a time [s], closed if the wall is."""
-    outline = outline_of(wall)
+    outline = solid_of(wall)
     x = wall.motion.placed(outline.points, time)
     return np.concatenate([x, x[:1]]) if outline.closed else x
 

@@ -12,7 +12,7 @@ from parisph.base.paths import AnyPath
 from parisph.case.bodies import Profile
 from parisph.case.shapes import Tank
 from parisph.geometry.build import domain
-from parisph.geometry.outline import outline_of
+from parisph.geometry.solid import solid_of
 from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style, window
@@ -326,7 +326,7 @@ class FieldView:
 
 def _room(wall, time, far):
     """Return points (n, 2) [m] around the inside of a tank, or the space above a bed."""
-    x = wall.motion.placed(outline_of(wall).points, time)
+    x = wall.motion.placed(solid_of(wall).points, time)
     top = x[:, 1].max() + far
     return x if isinstance(wall, Tank) else np.concatenate([x, [(x[-1, 0], top), (x[0, 0], top)]])
 

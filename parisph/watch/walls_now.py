@@ -9,7 +9,7 @@ from parisph.base.arrays import Floats
 from parisph.case.motion import AtRest, Motion, Translation
 from parisph.geometry.columns import beds, crossings
 from parisph.geometry.mesh import WallMesh, motions_of
-from parisph.geometry.outline import Wall
+from parisph.geometry.solid import Wall
 
 BESIDE = 1e-6    # of the width of the walls: so far beside a place its floor is looked for where pieces end
 

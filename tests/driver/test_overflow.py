@@ -22,7 +22,7 @@ from parisph import (
 from parisph.base.errors import ParticleLost
 from parisph.base.fields import FLUID
 from parisph.driver import wall_penetration
-from parisph.geometry.rims import faces_of, rim_of
+from parisph.geometry.rims import rims_of
 from parisph.io import reader
 from tests.scenes import assert_same, on_one_and_more, on_two_and_then
 
@@ -149,14 +149,14 @@ def scene(*walls, **more):
     (scene(Obstacle(Box(1.0, 0.2))), 0.0, (1.1, -0.5), (0.9, 0.3)),
 ])
 def test_water_leaves_over_the_rim_wherever_that_is(case, time, gone, kept):
-    out, lost = rim_of(case).out(np.array([gone, kept]), time, 0.05, 0.15)
+    out, lost = rims_of(case, 0.15)[0].out(np.array([gone, kept]), time)
     assert out.tolist() == [True, False] and not lost.any()
 
 
 def test_water_over_a_wavemaker_has_left():
-    face, = faces_of(scene(Tank(2.0, 1.0), Piston(at=0.2, top=0.5, motion=Sway(0.1, np.pi), side="right")))
+    _, face = rims_of(scene(Tank(2.0, 1.0), Piston(at=0.2, top=0.5, motion=Sway(0.1, np.pi), side="right")), 0.15)
     x = np.array([(0.36, 0.6), (0.42, 0.6), (0.3, 0.2)])    # at t = 1 s the face is at 0.4 m
-    assert face.out(x, 1.0, 0.05).tolist() == [True, False, False]
+    assert face.out(x, 1.0)[0].tolist() == [True, False, False]
 
 
 def test_fluid_in_a_solid_is_an_error(simulated):

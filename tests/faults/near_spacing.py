@@ -13,7 +13,7 @@ from parisph import Box, Case, Disc, Fluid, Numerics, Obstacle, Plate, Polygon, 
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
 from parisph.geometry import build, scene_checks
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.solid import in_fluid
 from parisph.geometry.standing import standing
 
 S = 0.1
@@ -103,7 +103,7 @@ def _seen(case):
     wet = np.zeros(len(x), dtype=bool)
     for fluid in case.fluids:
         wet |= x[:, 1] <= fluid.shape.level if isinstance(fluid.shape, StillWater) else fluid.shape.inside(x, 0.0)
-    wet[wet] = in_fluid([outline_of(wall) for wall in standing(case)], x[wet])
+    wet[wet] = in_fluid(standing(case), x[wet])
     return float(wet.sum() * h * h)
 
 

@@ -1,17 +1,15 @@
 """Distance from elements, side, winding number."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from parisph import Box, Disc, Polygon, Tank
 from parisph.case.bodies import Obstacle, Plate, Profile
-from parisph.case.lattice import Lattice
-from parisph.geometry.distance import heights, nearest
-from parisph.geometry.mesh import area_vectors, block_mesh, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, heights, nearest
+from parisph.geometry.mesh import wall_mesh
+from parisph.geometry.solid import in_fluid
 from tests.distances import signed_distance
+from tests.pools import mesh_of
 
 S = 0.05
 SCENES = {
@@ -20,13 +18,6 @@ SCENES = {
     "sharp wedge": [Tank(3.0, 1.0), Obstacle(Polygon([(1.0, 0.2), (2.0, 0.5), (1.0, 0.25)]))],
     "beach": [Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 1.0)])],
 }
-
-
-def block(counts, lid=True):
-    size = 0.1 * np.array(counts)
-    bounds = (np.zeros(len(counts)), size)
-    tank = SimpleNamespace(bounds=bounds, size=size, closed=lid)
-    return block_mesh(Lattice(SimpleNamespace(bounds=bounds), tank, 0.1)), size
 
 
 def points(n, seed=0):
@@ -41,7 +32,7 @@ def test_sign_is_that_of_the_outlines(scene):
     x = x[x[:, 1] < 0.99]    # higher up an open wall ends, and the nearest element of another decides
     signed = signed_distance(x, corners)
     off = np.abs(signed) > 0.1 * S    # a disc of chords has another edge
-    np.testing.assert_array_equal(signed[off] > 0.0, in_fluid([outline_of(wall) for wall in walls], x)[off])
+    np.testing.assert_array_equal(signed[off] > 0.0, in_fluid(walls, x)[off])
     assert np.count_nonzero(off) > 3000
 
 
@@ -78,7 +69,7 @@ def test_plate_has_fluid_on_both_sides():
 
 
 def test_block_in_3d():
-    mesh, size = block((6, 5, 4))
+    mesh, size = mesh_of((6, 5, 4)), np.array([0.6, 0.5, 0.4])
     rng = np.random.default_rng(3)
     x = rng.random((500, 3)) * (size + 0.4) - 0.2
     below, above = x.min(axis=1), (size - x).min(axis=1)
@@ -110,4 +101,4 @@ def test_any_pile_of_boxes_is_one_solid(seed):
         walls.append(Obstacle(Polygon([tuple(corner) for corner in corners.tolist()])))
     x = rng.uniform([-0.1, -0.1], [3.1, 1.99], (1500, 2))
     signed = signed_distance(x, wall_mesh(walls, S).corners())
-    np.testing.assert_array_equal(signed > 0.0, in_fluid([outline_of(wall) for wall in walls], x))
+    np.testing.assert_array_equal(signed > 0.0, in_fluid(walls, x))

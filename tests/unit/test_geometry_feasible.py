@@ -7,8 +7,8 @@ from parisph import Box, Disc, Polygon, Tank
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.feasible import faults, thinnest_gap, warnings
 from parisph.geometry.mesh import wall_mesh
-from parisph.geometry.outline import outline_of
 from parisph.geometry.polygons import joined
+from parisph.geometry.solid import solid_of
 
 S = 0.05
 TANK = Tank(3.0, 1.0)
@@ -63,7 +63,7 @@ def test_what_is_wrong_is_said(walls, fluids, words):
 @pytest.mark.parametrize("height", [0.08, 0.31])
 def test_thinnest_gap_is_below_the_box(height):
     walls = [Tank(3.0, 2.0), Obstacle(Box(0.5, 0.3, at=(1.0, height)))]
-    chains = joined([outline_of(wall) for wall in walls], S)
+    chains = joined([solid_of(wall) for wall in walls], S)
     gap, at, one, other = thinnest_gap(wall_mesh(walls, S), chains)
     assert gap == pytest.approx(height)
     assert at[1] == pytest.approx(height / 2) and {one, other} == {0, 1}
@@ -71,5 +71,5 @@ def test_thinnest_gap_is_below_the_box(height):
 
 def test_walls_that_do_not_face_each_other_have_no_gap():
     walls = [Profile([(0.0, 0.0), (1.0, 0.0), (2.0, 1.0)])]
-    gap, at, one, other = thinnest_gap(wall_mesh(walls, S), joined([outline_of(walls[0])], S))
+    gap, at, one, other = thinnest_gap(wall_mesh(walls, S), joined([solid_of(walls[0])], S))
     assert np.isinf(gap) and one == other == -1

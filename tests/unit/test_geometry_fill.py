@@ -12,14 +12,14 @@ from parisph.geometry.columns import near_pieces, union
 from parisph.geometry.distance import nearest
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.solid import in_fluid
 
 S = 0.05
 TRIANGLE = Polygon([(0.32, 0.1), (1.9, 0.4), (0.8, 0.9), (0.7, 0.45)])
 
 
 def filling(shape, *walls, spacing=S, holes=()):
-    return Filling(shape, walls, wall_mesh(walls, spacing) if walls else None, spacing, holes)
+    return Filling(shape, walls, spacing, holes)
 
 
 def by_looking(fill, walls, spacing=S):
@@ -30,7 +30,7 @@ def by_looking(fill, walls, spacing=S):
     places = np.meshgrid(*[np.arange(a, b + 1) for a, b in zip(first, last)], indexing="ij")
     index = np.stack(places, axis=-1).reshape(-1, 2)
     x = fill.position(index)
-    good = in_fluid([outline_of(wall) for wall in walls], x) & fill.holds(x) & (x[:, 0] >= mesh.x0[:, 0].min()) & (
+    good = in_fluid(walls, x) & fill.holds(x) & (x[:, 0] >= mesh.x0[:, 0].min()) & (
         x[:, 0] <= mesh.x0[:, 0].max())
     good &= nearest(x, mesh.corners())[0] >= (0.5 - 1e-6) * spacing
     return index[good]
@@ -132,9 +132,9 @@ def test_levels_out_of_the_ordinary(level, count):
 def test_a_rank_of_many_holds_its_own_share_only():
     s = 0.002
     walls = [Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 1.1)])]
-    mesh = wall_mesh(walls, s)
+    wall_mesh(walls, s)
     tracemalloc.start()
-    fill = Filling(StillWater(0.9), walls, mesh, s)
+    fill = Filling(StillWater(0.9), walls, s)
     mine = fill.indices(fill.count // 2, fill.count // 2 + 1000)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

@@ -1,7 +1,5 @@
 """Wall meshes: the nodes of a tank as the product has them; bodies that touch, overlap or stand alone."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -9,10 +7,11 @@ from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import WALL
 from parisph.case.bodies import Obstacle, Plate, Profile
-from parisph.case.lattice import Lattice
 from parisph.geometry.build import build
-from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, area_vectors, block_mesh, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, unit_normals
+from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, wall_mesh
+from parisph.geometry.solid import in_fluid, solid_of
+from tests.pools import mesh_of as block
 
 S = 0.1
 
@@ -29,14 +28,12 @@ def node(mesh, *at):
 def check_sides(mesh, walls, off=0.01):
     """Every element has fluid on its left and none, but for plates, on its right; nodes of an element are near."""
     corners = mesh.corners()
-    vectors = area_vectors(corners)
-    length = np.linalg.norm(vectors, axis=1)
+    length = np.linalg.norm(area_vectors(corners), axis=1)
     assert length.max() < 1.5 * S
-    middle, unit = corners.mean(axis=1), vectors / length[:, None]
-    outlines = [outline_of(wall) for wall in walls]
-    assert in_fluid(outlines, middle + off * S * unit).all()
-    solid = np.array([not outlines[number].two_sided for number in mesh.element_body])
-    assert not in_fluid(outlines, middle - off * S * unit)[solid].any()
+    middle, unit = corners.mean(axis=1), unit_normals(corners)
+    assert in_fluid(walls, middle + off * S * unit).all()
+    solid = np.array([not solid_of(walls[number]).two_sided for number in mesh.element_body])
+    assert not in_fluid(walls, middle - off * S * unit)[solid].any()
     np.testing.assert_allclose(np.linalg.norm(mesh.normal0, axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(mesh.area.sum(), length.sum(), rtol=1e-12)
 
@@ -61,17 +58,13 @@ def test_tank_has_the_wall_particles_of_the_product_to_the_bit(lid, size, spacin
 
 @pytest.mark.parametrize("lid", [False, True])
 def test_block_in_3d_has_the_area_and_the_normals_of_its_faces(lid):
-    counts, step = np.array([4, 3, 2]), np.array([0.1, 0.1, 0.1])
-    bounds = (np.zeros(3), counts * step)
-    tank = SimpleNamespace(bounds=bounds, size=counts * step, closed=lid)
-    lattice = Lattice(SimpleNamespace(bounds=bounds), tank, 0.1)
-    mesh = block_mesh(lattice)
+    mesh = block((4, 3, 2), lid)
     vectors = area_vectors(mesh.corners())
     faces = 0.01 * (2 * 6 + 2 * 8 + (1 + lid) * 12)
     assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(faces)
     assert mesh.area.sum() == pytest.approx(faces)
-    inside = mesh.corners().mean(axis=1) + 0.01 * vectors / np.linalg.norm(vectors, axis=1)[:, None]
-    assert ((inside > bounds[0]) & (inside < bounds[1])).all()
+    inside = mesh.corners().mean(axis=1) + 0.01 * unit_normals(mesh.corners())
+    assert ((inside > 0.0) & (inside < [0.4, 0.3, 0.2])).all()
     np.testing.assert_allclose(mesh.vector_area.sum(axis=0), vectors.sum(axis=0), atol=1e-14)
     assert sorted(set(mesh.share.tolist())) == [0.125, 0.25, 0.5]
 
@@ -205,11 +198,11 @@ def test_bodies_that_leave_no_wall_are_refused():
 
 
 def test_inside_of_every_open_outline():
-    beach = outline_of(Profile([(0.0, 0.0), (5.0, 0.0), (10.0, 1.0)]))
+    beach = solid_of(Profile([(0.0, 0.0), (5.0, 0.0), (10.0, 1.0)]))
     x = np.array([(-3.0, 0.5), (5.0, 5.0), (9.0, 0.9), (9.0, 0.7), (12.0, 1.3), (12.0, 1.5), (-3.0, -0.1)])
     assert beach.in_front(x).tolist() == [True, True, True, False, False, True, False]
-    tank = outline_of(Tank(2.0, 1.0))
+    tank = solid_of(Tank(2.0, 1.0))
     x = np.array([(1.0, 0.5), (1.0, 7.0), (0.01, 1.0), (-0.01, 1.0), (1.0, -0.1), (3.0, 9.0)])
     assert tank.in_front(x).tolist() == [True, True, True, False, False, False]
-    wall = outline_of(Profile([(1.0, 0.0), (1.0, 2.0)], side="left"))
+    wall = solid_of(Profile([(1.0, 0.0), (1.0, 2.0)], side="left"))
     assert wall.in_front(np.array([(0.0, 1.0), (2.0, 1.0), (0.9, 8.0)])).tolist() == [True, False, True]

@@ -12,8 +12,9 @@ from parisph.base.fields import FLUID
 from parisph.driver import Simulation
 from parisph.driver.solid_walls import elements_of
 from parisph.geometry import build, mesh, scene_checks
+from parisph.geometry.distance import unit_normals
 from parisph.geometry.mesh import chains_of
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.solid import in_fluid
 from parisph.geometry.standing import standing
 from parisph.geometry.tips import Filled
 
@@ -65,13 +66,9 @@ NEAR = [
 def test_bodies_near_the_spacing_are_accepted_with_the_fluid_on_their_left(case):
     assert scene_checks.faults(case) == []
     walls, away = standing(case), 1e-9
-    outlines = [outline_of(wall) for wall in walls]
     for chain in chains_of(walls, S):
-        ends = np.roll(chain.points, -1, axis=0)[: len(chain.body)]
-        along = ends - chain.points[: len(chain.body)]
-        middle, left = chain.points[: len(chain.body)] + 0.5 * along, np.stack([-along[:, 1], along[:, 0]], axis=1)
-        left *= away / np.linalg.norm(left, axis=1)[:, None]
-        assert in_fluid(outlines, middle + left).all() and not in_fluid(outlines, middle - left).any()
+        middle, left = chain.elements.mean(axis=1), away * unit_normals(chain.elements)
+        assert in_fluid(walls, middle + left).all() and not in_fluid(walls, middle - left).any()
 
 
 @pytest.mark.parametrize("body, steps", [

@@ -98,9 +98,9 @@ def test_water_leaves_over_the_end_of_a_bed():
     case = scene()
     domain = SimpleNamespace(lower=np.zeros(2), upper=np.array([3.0, 1.2]), radius=0.13)
     rim = OpenTank.of(case, domain)
-    assert (rim.rim.left, rim.rim.right) == pytest.approx((1.2, 0.8))
+    assert (rim.rims[0].left, rim.rims[0].right) == pytest.approx((1.2, 0.8))
     x = np.array([(3.1, 0.85), (3.1, 0.5), (-0.1, 1.25), (-0.14, 0.9), (1.5, 2.0), (3.01, 0.79)])
-    gone, lost = rim._gone_and_lost(SimpleNamespace(x=x, kind=np.full(len(x), FLUID), n_owned=len(x)), 0.0)
+    gone, lost = rim._gone_and_lost(SimpleNamespace(x=x, kind=np.full(len(x), FLUID)), 0.0)
     assert gone.tolist() == [True, False, True, False, False, True]
     assert lost.tolist() == [False, False, False, True, False, False]
 

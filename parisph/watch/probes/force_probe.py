@@ -14,8 +14,8 @@ from parisph.case.probes import Measure, OfPressure, Point
 from parisph.case.scene import Scene as Described
 from parisph.case.scenery import body_names
 from parisph.geometry.mesh import WallMesh
-from parisph.geometry.outline import outline_of
 from parisph.geometry.probe_places import Places, on_side
+from parisph.geometry.solid import solid_of
 from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.sampling import Scene, View
 from parisph.watch.walls_now import WallsNow
@@ -156,6 +156,6 @@ def _faces(scene: Scene, now: WallsNow, on: str) -> list[Ints]:
     for number, body in enumerate(mesh.bodies):
         if body.name != on and scene.kinds.get(body.name) in DRY_BEHIND:
             own = np.unique(mesh.elements[mesh.element_body == number])
-            ends = outline_of(now.walls[number]).points[[0, -1]]
+            ends = solid_of(now.walls[number]).points[[0, -1]]
             found.append(np.array([own[np.argmin(np.linalg.norm(mesh.x0[own] - end, axis=1))] for end in ends]))
     return found

@@ -13,10 +13,10 @@ from parisph.case import probe_checks
 from parisph.case.bodies import Plate
 from parisph.case.probes import WIDTH, Measure, OfPressure
 from parisph.case.scene import Scene as Described
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import WallMesh, area_vectors
-from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.distance import area_vectors, nearest, unit_normals
+from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places
+from parisph.geometry.solid import Wall, in_fluid
 from parisph.watch.sampling import Scene, View
 
 RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
@@ -95,10 +95,9 @@ class PressureTap(OfPressure):
         name, wall = mesh.bodies[number].name, walls[number]
         corners = mesh.corners()[[element]]
         apart, _, foot = nearest(np.array([self.at]), corners)
-        normal = area_vectors(corners)[0]
-        normal /= np.linalg.norm(normal)
+        normal = unit_normals(corners)[0]
         before = foot + LIFT * (s * normal + corners[0].mean(axis=0) - foot)    # off the other wall of a corner
-        hidden = [wall.name for wall in walls if not in_fluid([outline_of(wall)], before)[0]]
+        hidden = [wall.name for wall in walls if not in_fluid([wall], before)[0]]
         if apart[0] > TAP * s:
             yield (f"at = {self.at} is not on a wall; the nearest place on one is "
                    f"({foot[0, 0]:.6g}, {foot[0, 1]:.6g}) on {name}")
@@ -135,8 +134,7 @@ class Tap(Measure):
         assert now is not None    # the tap is on a wall
         # the wall of the tap as it is at t = 0: then it and its nodes move with its body
         element = tap_element(now.mesh, now.walls, probe, scene.spacing)
-        normal = area_vectors(now.mesh.corners()[[element]])[0]
-        normal /= np.linalg.norm(normal)
+        normal = unit_normals(now.mesh.corners()[[element]])[0]
         self.axes = np.array([normal, [-normal[1], normal[0]]])
         self.across = np.arange(2) == 0
         motions = np.array([body.motion for body in now.mesh.bodies])

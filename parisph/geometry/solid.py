@@ -1,12 +1,15 @@
-"""The outline of each body of a scene: directed straight pieces with the fluid on their left (2D)."""
+"""Each body of a scene as a solid: its elements, with the fluid on their left, and what lies behind them (2D)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from parisph.case.bodies import Obstacle, Plate, Profile
 from parisph.case.shapes import Box, Disc, Shape, Tank
+from parisph.geometry.columns import cross, meet
+from parisph.geometry.distance import nearest
 
 FACETS = 256    # straight pieces around a disc; they turn by less than a mesh calls a corner
 
@@ -14,8 +17,8 @@ Wall = Tank | Profile | Obstacle | Plate
 
 
 @dataclass(frozen=True)
-class Outline:
-    """The edge of one body.
+class Solid:
+    """One body, by its outline.
 
     points : (n, 2) [m], in order, with fluid on the left of the way along them
     closed : whether the last point is joined to the first; an open outline continues beyond its ends, see `ways`
@@ -34,59 +37,59 @@ class Outline:
         return _ways(self.points, self.beyond)
 
     @property
-    def starts(self) -> np.ndarray:
-        """Where the pieces start, (pieces, 2) [m]."""
-        return self.points if self.closed else self.points[:-1]
-
-    @property
-    def ends(self) -> np.ndarray:
-        """Where the pieces end, (pieces, 2) [m]."""
-        return np.roll(self.points, -1, axis=0) if self.closed else self.points[1:]
+    def elements(self) -> np.ndarray:
+        """The first and the last point of each straight piece, (pieces, 2, 2) [m]."""
+        pairs = np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
+        return pairs if self.closed else pairs[:-1]
 
     def in_front(self, x: np.ndarray) -> np.ndarray:
         """Return which of the points x (n, 2) [m] lie on the fluid's side of this body, (n,) bool.
 
         The pieces are seen from x under angles whose sum is known but for a whole turn, which tells the sides apart.
         """
+        front = np.full(len(x), self.two_sided or signed_area(self.points) < 0.0)
         if self.two_sided:
-            return np.ones(len(x), dtype=bool)
-        if self.closed:
-            return self._in_front_of_closed(x)
-        turn = np.zeros(len(x))
-        for a, b in zip(self.starts, self.ends):
-            turn += _angle(a - x, b - x)
-        first, last = self.ways
-        turn += _angle(first[None], self.points[0] - x) + _angle(self.points[-1] - x, last[None])
-        whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
-        return turn > (whole if whole > 1e-9 else 2.0 * np.pi) - np.pi
-
-    def _in_front_of_closed(self, x: np.ndarray) -> np.ndarray:
-        """As `in_front`: only what is in the box around it may be inside."""
-        clockwise = signed_area(self.points) < 0.0
-        front = np.full(len(x), clockwise)
-        near = np.flatnonzero(((x >= self.points.min(axis=0)) & (x <= self.points.max(axis=0))).all(axis=1))
-        turn = np.zeros(len(near))
-        for a, b in zip(self.starts, self.ends) if len(near) else ():
-            turn += _angle(a - x[near], b - x[near])
-        front[near] = turn > (-np.pi if clockwise else np.pi)
+            return front
+        near = np.ones(len(x), dtype=bool)
+        if self.closed:    # only what is in the box around it may be inside
+            near = ((x >= self.points.min(axis=0)) & (x <= self.points.max(axis=0))).all(axis=1)
+        at = x[near]
+        turn, whole = np.zeros(len(at)), 0.0 if front.all() else 2.0 * np.pi
+        for a, b in self.elements if len(at) else ():
+            turn += _angle(a - at, b - at)
+        if not self.closed:
+            first, last = self.ways
+            turn += _angle(first[None], self.points[0] - at) + _angle(self.points[-1] - at, last[None])
+            whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
+            whole = whole if whole > 1e-9 else 2.0 * np.pi
+        front[near] = turn > whole - np.pi
         return front
 
+    def depth(self, x: np.ndarray) -> np.ndarray:
+        """Return how far points x (n, 2) [m] are behind the elements, 0 in front of them, (n,) [m]."""
+        behind = ~self.in_front(x)
+        far = np.zeros(len(x))
+        if behind.any():
+            far[behind] = nearest(x[behind], self.elements)[0]
+        return far
 
-def outline_of(body: Wall) -> Outline:
-    """Return the Outline of a Tank, Profile, Obstacle or Plate. Raises TypeError for anything else."""
+
+@lru_cache(maxsize=64)
+def solid_of(body: Wall) -> Solid:
+    """Return the Solid of a Tank, Profile, Obstacle or Plate, which nobody may change. Raises TypeError for others."""
     if isinstance(body, Tank):
         lower, upper = body.bounds
         left, right = (lower[0], upper[1]), (upper[0], upper[1])
-        return Outline(np.array([left, tuple(lower), (upper[0], lower[1]), right]), body.closed)
+        return Solid(np.array([left, tuple(lower), (upper[0], lower[1]), right]), body.closed)
     if isinstance(body, Profile):
         points = np.array(body.points, dtype=float)
         points = points if body.fluid_on_left else points[::-1].copy()
-        return Outline(points, False, beyond=way_beyond(points) or "straight")
+        return Solid(points, False, beyond=way_beyond(points) or "straight")
     if isinstance(body, Obstacle):
-        return Outline(_clockwise(corners_of(body.shape)), True)
+        return Solid(_clockwise(corners_of(body.shape)), True)
     if isinstance(body, Plate):
         points = np.array(body.points, dtype=float)
-        return Outline(np.concatenate([points, points[-2:0:-1]]), True, True)
+        return Solid(np.concatenate([points, points[-2:0:-1]]), True, True)
     raise TypeError(f"{type(body).__name__} has no outline")
 
 
@@ -113,11 +116,8 @@ def _meets_itself(points, first, last):
 
 def _ray_meets(start, way, at, along, most):
     """Return whether start + t way, t > 0, meets one of the pieces at + u along (n, 2), 0 <= u <= most."""
-    apart, slant = at - start, way[0] * along[:, 1] - way[1] * along[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / slant
-        u = (apart[:, 0] * way[1] - apart[:, 1] * way[0]) / slant
-    parallel = np.abs(slant) <= 1e-12 * np.linalg.norm(way) * np.linalg.norm(along, axis=1)
+    t, u = meet(start, way, at, along)
+    parallel = np.abs(cross(way, along)) <= 1e-12 * np.linalg.norm(way) * np.linalg.norm(along, axis=1)
     return bool(np.any(~parallel & (t > 0.0) & (u >= 0.0) & (u <= most)))
 
 
@@ -139,12 +139,11 @@ def signed_area(points: np.ndarray) -> float:
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
 
 
-def in_fluid(outlines: Sequence[Outline], x: np.ndarray) -> np.ndarray:
-    """Return which points x (n, 2) [m] lie in front of all outlines, (n,) bool. The work is points times pieces."""
+def in_fluid(walls: Sequence[Wall], x: np.ndarray) -> np.ndarray:
+    """Return which points x (n, 2) [m] lie in front of all walls, (n,) bool. The work is points times elements."""
     inside = np.ones(len(x), dtype=bool)
-    for outline in outlines:
-        left = np.flatnonzero(inside)
-        inside[left] = outline.in_front(x[left])
+    for wall in walls:
+        inside[inside] = solid_of(wall).in_front(x[inside])
     return inside
 
 
@@ -154,4 +153,4 @@ def _clockwise(points):
 
 def _angle(a, b):
     """Return the angle from a to b (n, 2), anticlockwise, in [-pi, pi]."""
-    return np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])
+    return np.arctan2(cross(a, b), a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])
