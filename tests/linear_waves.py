@@ -60,7 +60,7 @@ class StillTank:
         solid_walls.fill(case, self.flow)
         self.method = Projection(self.flow, parts)
         flow = self.flow
-        flow.force = self._force(p.x_all, 0.0)
+        flow.step.force = self._force(p.x_all, 0.0)
         surfaces.classify(flow, parts.surface, 0.0)    # which walls are wet, or apart from the water
         self.n = p.n_owned
         self.x, self._ids = p.x.copy(), p.id.copy()

@@ -118,20 +118,36 @@ class Simulation:
         agree(self.comm, _wrong_code())
         self.timers = PhaseTimers()
         parts = _parts(case, self.comm)
+        flow = self._flow(parts, start)
+        self.method = _method(case, flow, parts, petsc_options)
+        self._made.append(self.method)
+        state = {} if start is None else start.state
+        if start is not None:
+            self.method.resume(state)
+        self.time = 0.0 if start is None else start.time
+        self.steps = 0 if start is None else start.step
+        self.dt: float | None = None if start is None else start.dt or None
+        self.bad_force: float | None = None
+        self._length = flow_length(case)
+        self._has_pressure = start is not None
+        self._shortest = SHORTEST * _step_of_top_speed(case, self.numerics)
+        self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
+        self.passages = Passages(case, self.comm, state.get("passed"))
+        self._open_tank = OpenTank.of(case, self.domain, state.get("left"))
+
+    def _flow(self, parts: Parts | CompressibleParts, start: Checkpoint | None) -> Flow:
+        """Return the Flow of the scene, with particles, domain and walls as they are at the start. Collective."""
+        case, s = self.case, self.numerics.spacing
         arrays = _arrays(case, self.comm) if start is None else start.arrays
         vorticity, carried = _vorticity(case, arrays, self.comm)
         self.particles = Particles(self.comm, case.dim, FieldSet((*parts.fields, *solid_walls.fields(case), *carried,
                                                                   *case.output.fields)))
         self.particles.assign({name: values for name, values in arrays.items() if name in self.particles.fields})
-        self.time = 0.0 if start is None else start.time
-        self.steps = 0 if start is None else start.step
-        self.dt: float | None = None if start is None else start.dt or None
-        s = self.numerics.spacing
-        lower, upper = build.domain(case)
         elements = solid_walls.elements_of(case, self.particles)
-        self.domain = Domain(self.particles, lower, upper, parts.reach * s,
-                             SKIN[case.dim] * s, LIST_SKIN * s, closed=case.lidded, elements=elements)
+        self.domain = Domain(self.particles, *build.domain(case), parts.reach * s, SKIN[case.dim] * s, LIST_SKIN * s,
+                             closed=case.lidded, elements=elements)
         self._made.append(self.domain)
+        self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     Boundary(elements, s), self.timers, closed=case.closed,
                     budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin if case.turns else None,
@@ -140,18 +156,7 @@ class Simulation:
             solid_walls.fill(case, flow)
         else:
             solid_walls.complete(case, flow, start.arrays)
-        self.method = _method(case, flow, parts, petsc_options)
-        self._made.append(self.method)
-        if start is not None:
-            self.method.resume(start.state)
-        self.bad_force: float | None = None
-        self._length = flow_length(case)
-        self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
-        self._has_pressure = start is not None
-        self._shortest = SHORTEST * _step_of_top_speed(case, self.numerics)
-        self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
-        self.passages = Passages(case, self.comm, start.state.get("passed") if start is not None else None)
-        self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
+        return flow
 
     @_collective
     def solve_start(self) -> int:

@@ -21,15 +21,15 @@ class Absorption(Force):
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         rate, pull = flow.absorb(flow.particles.x_all, time)
-        own = (pull - rate[:, None] * flow.particles.u_all) / (1.0 + flow.dt * rate)[:, None]
-        flow.absorbed = own[:flow.particles.n_owned]
+        own = (pull - rate[:, None] * flow.particles.u_all) / (1.0 + flow.step.dt * rate)[:, None]
+        flow.step.absorbed = own[:flow.particles.n_owned]
         out += own
 
     def work(self, flow: "Flow", start: np.ndarray) -> float:
         """The force times the mean of the velocities before and after: the part of the kinetic energy's change."""
         p = flow.particles
-        power = np.einsum("ia,ia->i", flow.absorbed, 0.5 * (start + p.u))
-        return flow.density * flow.dt * float(p.volume @ power)
+        power = np.einsum("ia,ia->i", flow.step.absorbed, 0.5 * (start + p.u))
+        return flow.density * flow.step.dt * float(p.volume @ power)
 
 
 FORCES.register(Absorption())

@@ -44,7 +44,7 @@ class Boundary:
     def counted(self, flow: "Flow", least: int) -> np.ndarray:
         """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
         p = flow.particles
-        if "closing" not in p.fields:    # a full closed tank
+        if not flow.open:
             return np.ones(p.n_all)
         return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
 
@@ -56,12 +56,9 @@ class Boundary:
         """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
         density.completed_density(out, *self._completion(flow, least))
 
-    def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
-        """Write the density ratio of owned fluid to alpha (n_owned,), 1 for walls, and its gradient to `gradient`
-        (n_owned, dim) [1/m], 0 for walls."""
-        completion = self._completion(flow, least)
-        density.completed_density(alpha, *completion)
-        density.completed_gradient(gradient, *completion)
+    def density_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+        """Write the gradient of the density ratio of owned fluid to out (n_owned, dim) [1/m], 0 for walls."""
+        density.completed_gradient(out, *self._completion(flow, least))
 
     def _completion(self, flow, least):
         p, counted = flow.particles, self.counted(flow, least)
@@ -116,7 +113,7 @@ class Boundary:
         # walls at rest may slide, as a lid does; those that move have their velocity from their motion
         u = np.where((e.motion == 0)[:, None], p.wall_u_all[e.nodes].mean(axis=1), e.velocity)
         walls = e.walls._replace(velocity=u, sticks=(p.no_slip_all[e.nodes] == 1).all(axis=1))
-        wall_law.rub(out, flow.cloud, walls, p.u_all, wall_law.Law(law.viscosity, law.roughness, flow.dt))
+        wall_law.rub(out, flow.cloud, walls, p.u_all, wall_law.Law(law.viscosity, law.roughness, flow.step.dt))
 
     # -- walls that move -------------------------------------------------------------------
 
@@ -167,8 +164,8 @@ class Boundary:
         that are apart and from which gravity pulls the water, as a lid above it.
         """
         p = flow.particles
-        closing = p.closing_all if "closing" in p.fields else np.empty(0, np.int8)    # a full tank: all walls are wet
-        known = wetness.known_slopes(flow.cloud, closing, flow.body_force)
+        closing = p.closing_all if flow.open else np.empty(0, np.int8)    # else all walls are wet
+        known = wetness.known_slopes(flow.cloud, closing, flow.step.body_force)
         return known & (p.edge_all != CONVEX)
 
     def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:

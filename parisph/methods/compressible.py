@@ -1,11 +1,13 @@
 """One time step of traditional, weakly compressible SPH (Zheng, Ma & Duan 2014, Sec. 2.1)."""
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import surface, weakly
 from parisph.methods import lengths
@@ -77,7 +79,7 @@ class Compressible:
         p.rho[:] = self.density(p.p, self.sound, flow.density)
         if self.settle:
             self._settle(time)
-        self._pull(time)
+        self._pull(time, flow.body)
         self._find_surface()
         return 0
 
@@ -88,20 +90,8 @@ class Compressible:
         flow, timers = self.flow, self.flow.timers
         p, budget = flow.particles, flow.budget
         budget.begin(p)
-        p.x0[:] = p.x
-        with timers("predict"):
-            fluid = p.kind == FLUID
-            p.u[fluid] += 0.5 * dt * p.pull[fluid]
-            flow.domain.update("u")
-            p.x[fluid] += dt * self._moving()[fluid]
-        with timers("redistribute"):
-            flow.domain.refresh("u")
-        with timers("correct"):
-            self._densities(dt)
-            self._pull(time + dt)
-            fluid = p.kind == FLUID
-            p.u[fluid] += 0.5 * dt * p.pull[fluid]
-            budget.mark(p, "pressure")
+        self._advance(time + dt, dt, flow.body)
+        budget.mark(p, "pressure")
         self._steps += 1
         if self._steps % SURFACE_EVERY == 0:
             with timers("surface"):
@@ -154,17 +144,35 @@ class Compressible:
         Collective.
         """
         flow, left = self.flow, self.settle
-        p, body = flow.particles, flow.body
-        flow.body = lambda x, t: np.tile(self.gravity, (len(x), 1))
-        self._pull(time)
+        p = flow.particles
+
+        def still(x: Floats, t: float) -> Floats:
+            return np.tile(self.gravity, (len(x), 1))
+        self._pull(time, still)
         while left > 0.0:
             dt = min(self.longest_step(), left)
             p.u[:] *= max(0.0, 1.0 - 100.0 * dt / self.settle)
-            self.step(time, dt)
+            self._advance(time, dt, still)
             left -= dt
         p.u[:] = 0.0
-        flow.body, self._steps = body, 0
         flow.domain.refresh("u")
+
+    def _advance(self, stop: float, dt: float, body: Callable[[Floats, float], Floats]) -> None:
+        """Move fluid by a step of dt [s] that ends at `stop` [s]. Collective. body : as of Flow."""
+        p, domain, timers = self.flow.particles, self.flow.domain, self.flow.timers
+        p.x0[:] = p.x
+        with timers("predict"):
+            fluid = p.kind == FLUID
+            p.u[fluid] += 0.5 * dt * p.pull[fluid]
+            domain.update("u")
+            p.x[fluid] += dt * self._moving()[fluid]
+        with timers("redistribute"):
+            domain.refresh("u")
+        with timers("correct"):
+            self._densities(dt)
+            self._pull(stop, body)
+            fluid = p.kind == FLUID
+            p.u[fluid] += 0.5 * dt * p.pull[fluid]
 
     def _state(self, force=None):
         """Return the fields as kernels take them; force : (n_all, dim) [m/s^2], where it is needed."""
@@ -189,13 +197,13 @@ class Compressible:
         p.rho[fluid] += dt * rate[fluid]
         p.p[fluid] = self.pressure(p.rho[fluid], self.sound, flow.density)
 
-    def _pull(self, time):
+    def _pull(self, time, body):
         """Continue pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
         flow = self.flow
         p, d = flow.particles, flow.domain
         d.update("p", "rho")
         # one row if it is the same everywhere, of which kernels know nothing
-        state = self._state(np.array(flow.body(p.x_all, time), order="C"))
+        state = self._state(np.array(body(p.x_all, time), order="C"))
         weakly.wall_pressure(p.p, flow.cloud, state)
         wall = p.kind == WALL
         p.rho[wall] = self.density(p.p[wall], self.sound, flow.density)

@@ -1,26 +1,35 @@
 """The state of a scene that the parts of a method may read and change."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.fields import FLUID
+from parisph.base.log import Timers
 from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
 from parisph.kernels import gradient, pairs, surface, wetness
 from parisph.kernels.jit import axes_of
-from parisph.kernels.potential_fit import Potential
 from parisph.kernels.records import Cloud
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
-from parisph.methods.last_waves import LastWaves
+from parisph.methods.step_state import Preparation, StepState
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 
+if TYPE_CHECKING:
+    from parisph.pressure.rows import PressureRows
+    from parisph.pressure.solver import PressureSolver
+
+# the fields that only some scenes have, in the order of Flow's attributes that say so
+CARRIED = ("closing", "swirl", "share", "alpha", "wall_u", "no_slip", "surface_pressure", "laplacian", "left",
+           "acceleration")
+
 
 class Flow:
-    """Particles, their neighbours, and what a step has found out about them so far.
+    """A scene for the parts of a method: particles, neighbours and walls, the step under way, and what steps remember.
 
     Parameters
     ----------
@@ -41,65 +50,48 @@ class Flow:
     Attributes
     ----------
     full : lattice value of the density ratio's sum
-    time : of the operators of the step that begins [s]; dt : its length [s], 0 for a look at an instant
-    usual : what that length would be if no step were shortened to meet a time [s]
-    force : (n_all, dim) [m/s^2], of this step; body_force : the part of it by gravity and the inertia of the tank
-    varies : whether the body force does in space, the same on all ranks; bends : whether the field laplacian is without
-        its divergence
-    absorbed : (n_owned, dim) the part of force by such zones
-    by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
+    Whether particles carry what only some scenes need, the same on all ranks:
+        open : what closes gaps of air, as walls may be dry: the method looks for a free surface
+        rotational : vorticity from the start
+        half_cells : for which part of the half cells at walls fluid stands
+        weighed : the density ratio
+        slides, sticks : the velocity of walls themselves, and which of them fluid sticks to
+        stressed : the pressure of the viscous stress at a free surface
+        bent : the Laplacian of the pressure
+        returned : the divergence that the last step has left, which is given back
+        accelerated : the acceleration in the last step
+    rows, solver, pressure_gradient : of a projection, which sets them: PressureRows, PressureSolver, and a function of
+        f (n_all,)
+    bends : of a projection: whether the field laplacian is without the divergence of the body force
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
-    mean_strain : sqrt(2 S:S) of fluid in the last step, in the mean on all ranks [1/s]; 0 before the first, and in a
-        method that measures no strain
-    last_waves : the largest of it in the last waves
-    strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
-    beyond_fit : (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if straining.begin has found it, else None
-    potential : methods.potential of the velocity at the start of the step, None if no part needs it
-    accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
-        with an adaptive step
-    top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
-    found : what regularisers have found out in this preparation, for others; cleared by regularising.prepare
-    collisions : pairs of owned particles that have collided in this step
-    rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else
-        None
-    position_solve : SolveRecord of the position projection in this step, or None
+    step : StepState of the step under way, or of the last one
+    preparation : Preparation of the regularisers under way
     """
 
-    def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, walls: Any,
-                 timers: Any, closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
-                 spin: Callable[[float], float] | None = None, absorb: Any = None,
+    rows: "PressureRows"
+    solver: "PressureSolver"
+    pressure_gradient: Callable[..., Floats]
+
+    def __init__(self, numerics: Numerics, density: float, body: Callable[[Floats, float], Floats],
+                 particles: Particles, domain: Domain, walls: Any, timers: Timers, closed: bool = False,
+                 budget: Budget | None = None, viscosity: float = 0.0, spin: Callable[[float], float] | None = None,
+                 absorb: Callable[[Floats, float], tuple[Floats, Floats]] | None = None,
                  friction: Friction | None = None, wave_time: float = np.inf, vorticity: float = 0.0) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
         self.friction, self.wave_time, self.vorticity = friction, wave_time, vorticity
-        self.time = self.dt = self.usual = 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
-        self.force = self.body_force = self.absorbed = np.zeros((0, particles.dim))
-        self.varies, self.bends = False, True
-        self._uneven = self.body_force, False
-        self.by_pressure = np.zeros(particles.n_owned)
-        self.strained: np.ndarray | None = None
-        self.doubt: np.ndarray | None = None
-        self.rapid: np.ndarray | None = None
-        self.beyond_fit: np.ndarray | None = None
-        self.potential: Potential | None = None
-        self.accelerations = 0.0, 0.0
-        self.mean_acceleration = self.mean_strain = self.top_speed = 0.0
-        self.last_waves = LastWaves()
-        self.whole = 1.0
-        self.collisions = 0
+        (self.open, self.rotational, self.half_cells, self.weighed, self.slides, self.sticks, self.stressed, self.bent,
+         self.returned, self.accelerated) = (name in particles.fields for name in CARRIED)
+        self.bends = True
+        self.mean_acceleration = 0.0
         self.stale: set[str] = set()
-        self.found: dict[str, Any] = {}
-        # of a projection: its rows and solver, and what computes gradients with them
-        self.rows: Any = None
-        self.solver: Any = None
-        self.pressure_gradient: Any = None
-        self.position_solve: Any = None
+        self.step, self.preparation = StepState(particles), Preparation()
 
     @property
     def viscous(self) -> bool:
@@ -107,39 +99,31 @@ class Flow:
         return bool(self.viscosity or self.numerics.smagorinsky)
 
     @property
-    def pull(self) -> np.ndarray:
+    def pull(self) -> Floats:
         """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform or the Laplacian holds it too."""
-        return self.density * self.body_force if self.bends and self.uneven else self.body_force[:0]
+        force = self.step.body_force
+        return self.density * force if self.bends and self.step.uneven else force[:0]
 
     @property
-    def uneven(self) -> bool:
-        """Whether the body force varies among the particles of this rank. The array must not be changed afterwards."""
-        force, (looked_at, found) = self.body_force, self._uneven
-        if looked_at is not force:
-            found = force.strides[0] != 0 and bool(np.any(force != force[:1]))    # one row for all is the usual force
-            self._uneven = force, found
-        return found
-
-    @property
-    def outer_pull(self) -> np.ndarray:
+    def outer_pull(self) -> Floats:
         """That of a force from outside, (0, dim) in a tank that turns: what its inertia bends belongs to the strain, as
         water in free flight shows."""
-        return self.pull if self.spin is None else self.body_force[:0]
+        return self.pull if self.spin is None else self.step.body_force[:0]
 
     @property
-    def without_strain(self) -> np.ndarray:
+    def without_strain(self) -> Floats:
         """The Laplacian of the pressure (n_all,) [Pa/m^2] by vorticity alone, rho w^2/2, seen from the tank as well."""
-        return 0.5 * self.density * self.swirl()**2
+        return 0.5 * self.density * self.swirl(self.step.time)**2
 
     @property
     def bent_without_strain(self) -> bool:
         """Whether `outer_pull` or `without_strain` bends the pressure, the same on all ranks."""
         turns = self.viscous and self.spin is not None
-        return turns or "swirl" in self.particles.fields or len(self.outer_pull) > 0
+        return turns or self.rotational or len(self.outer_pull) > 0
 
-    @property
-    def _turn(self):
-        return 0.0 if self.spin is None else self.spin(self.time)
+    def turn(self, time: float) -> float:
+        """Return the angular velocity of the tank at a time [s]: [rad/s]."""
+        return 0.0 if self.spin is None else self.spin(time)
 
     @property
     def cloud(self) -> Cloud:
@@ -147,13 +131,11 @@ class Flow:
         return self.particles.cloud(self.domain.indptr, self.domain.indices, self.spacing)
 
     @property
-    def cells(self) -> np.ndarray:
+    def cells(self) -> Floats:
         """The volume (n_all,) that particles stand for over that of their cells at the start: 1/2 on a level surface,
         3/2 beside a wall."""
         p = self.particles
         cell = self.spacing**p.dim
-        if "weight" not in p.fields:
-            return p.volume_all / cell
         return p.volume_all / np.where(p.kind_all == FLUID, p.weight_all * cell, cell)
 
     def fresh(self, *names: str) -> None:
@@ -165,15 +147,14 @@ class Flow:
             self.domain.update(*sorted(self.stale))
             self.stale.clear()
 
-    def seen(self, closing: int) -> np.ndarray:
+    def seen(self, closing: int) -> Array:
         """Return kind (n_all,) with the walls ABSENT that are less than `closing` (kernels.wetness.FREE or CLOSING)."""
         p = self.particles
-        if "closing" not in p.fields:    # a full closed tank, all of whose walls are wet
-            return p.kind_all
-        return wetness.without_walls(p.kind_all, p.closing_all, closing)
+        return wetness.without_walls(p.kind_all, p.closing_all, closing) if self.open else p.kind_all
 
-    def wall_shear(self) -> np.ndarray:
-        """Return how the velocity of the flow along a wall changes with the distance from it: (n_owned, dim) [1/s].
+    def wall_shear(self, time: float) -> Floats:
+        """Return how the velocity of the flow along a wall changes with the distance from it at a time [s]: (n_owned,
+        dim) [1/s].
 
         The wall's normal turns, in its own frame with the frame's spin W against the water, and the water with the
         vorticity w that it has had in the room since the start: - dn/dt - (2 W - w) x n. In viscous fluid, which walls
@@ -183,18 +164,18 @@ class Flow:
         if self.viscous:
             return np.zeros_like(p.u)
         shear = self.walls.shear(self)
-        turn = 2.0 * self._turn - self.swirl()[:p.n_owned]
+        turn = 2.0 * self.turn(time) - self.swirl(time)[:p.n_owned]
         if np.any(turn):    # numpy is slow along a short last axis
             shear[:, 0] += turn * p.normal[:, 1]
             shear[:, 1] -= turn * p.normal[:, 0]
         return shear
 
-    def swirl(self) -> np.ndarray:
-        """Return the vorticity (n_all,) [1/s] in the room that particles carry, for owned walls that of the fluid
-        beside them. Viscous fluid is taken to turn with its tank. Not collective."""
+    def swirl(self, time: float) -> Floats:
+        """Return the vorticity (n_all,) [1/s] in the room that particles carry at a time [s], for owned walls that of
+        the fluid beside them. Viscous fluid is taken to turn with its tank. Not collective."""
         p = self.particles
-        if "swirl" not in p.fields:
-            return np.full(p.n_all, 2.0 * self._turn if self.viscous else 0.0)
+        if not self.rotational:
+            return np.full(p.n_all, 2.0 * self.turn(time) if self.viscous else 0.0)
         gradient.mean_beside_walls(p.swirl_all, self.cloud, lengths.WALL * self.spacing)
         return p.swirl_all
 
@@ -204,10 +185,10 @@ class Flow:
         For `prepare` and `change` of regularisers, which see the same positions: lists are made once in a preparation.
         Limiters, which act when positions have changed, make their own.
         """
-        name = f"pairs within {distance}"
-        if name not in self.found:
-            self.found[name] = pairs.close_pairs(self.cloud, distance * self.spacing)
-        return self.found[name]
+        known = self.preparation.pairs
+        if distance not in known:
+            known[distance] = pairs.close_pairs(self.cloud, distance * self.spacing)
+        return known[distance]
 
     def density_ratio(self, least: int) -> None:
         """Write the field alpha of owned fluid, with walls whose `closing` is at least so much. Not collective."""

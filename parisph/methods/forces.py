@@ -21,7 +21,7 @@ class Body(Force):
     name = "body"
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
-        force = flow.body_force = flow.body(flow.particles.x_all, time)
+        force = flow.step.body_force = flow.body(flow.particles.x_all, time)
         for axis in range(out.shape[1]):    # numpy is slow along a short last axis
             out[:, axis] += force[:, axis]
 
@@ -41,9 +41,9 @@ class Coriolis(Force):
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         p, d = flow.particles, flow.domain
-        p.halfway[:] = p.u + 0.5 * flow.dt * p.acceleration
+        p.halfway[:] = p.u + 0.5 * flow.step.dt * p.acceleration
         d.update("halfway", "role")
-        gradient.wall_velocity(p.halfway_all, flow.cloud, np.zeros_like(p.u), flow.wall_shear(),
+        gradient.wall_velocity(p.halfway_all, flow.cloud, np.zeros_like(p.u), flow.wall_shear(time),
                                lengths.WALL * flow.spacing)
         d.update("halfway")
         spin = flow.spin(time)
@@ -73,20 +73,20 @@ class Viscous(Force):
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
         self.laplacian(p.viscous, flow, *self._update(flow))
-        d.update(*(name for name in ("viscous", "surface_pressure") if name in p.fields))
+        d.update("viscous", *(("surface_pressure",) if flow.stressed else ()))
         viscous.continue_to_walls(p.viscous_all, flow.cloud, lengths.WALL * flow.spacing)
         d.update("viscous")
         out += p.viscous_all
 
     def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, walls: Walls) -> None:
-        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2], and surface_pressure if there is this field.
+        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2], and surface_pressure if there is a free surface.
 
         seen : (n_all,) kind, ABSENT for walls behind air
         """
         p, s, cloud = flow.particles, flow.spacing, flow.cloud._replace(kind=seen)
         flowing = viscous.Flowing(p.u_all, p.nu_all, p.no_slip_all)
         viscous.corrected(out, cloud, walls, flowing, lengths.VISCOUS * s, lengths.DENSITY * s)
-        if "surface_pressure" in p.fields:
+        if flow.open:
             surface_stress.stress_free(out, p.surface_pressure, cloud, walls, flowing, lengths.VISCOUS * s)
             p.surface_pressure *= flow.density
 
@@ -100,7 +100,7 @@ class Viscous(Force):
         as elements. Collective.
         """
         p, d = flow.particles, flow.domain
-        if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
+        if not flow.open:    # all walls are wet
             d.update("u", "nu", "role")
             return flow.walls.viscous(flow, p.kind_all)
         wetness.touched_walls(p.touched, flow.cloud)

@@ -86,12 +86,12 @@ class XuShift(Shift):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p = flow.particles
-        top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
-        flow.top_speed = max(p.comm.allgather(float(top)))    # without mpi4py's MAX: laptops describe cases without MPI
+        top = float(np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0))
+        flow.preparation.top_speed = max(p.comm.allgather(top))    # not MPI.MAX: laptops describe cases without MPI
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
-        shifts.xu_shift(move, *_seen(flow), self.strength(flow) * flow.top_speed * dt, lengths.MLS * flow.spacing,
-                        CAP * flow.spacing)
+        most = self.strength(flow) * flow.preparation.top_speed * dt
+        shifts.xu_shift(move, *_seen(flow), most, lengths.MLS * flow.spacing, CAP * flow.spacing)
 
 
 class LindShift(Shift):

@@ -200,8 +200,8 @@ class Regulariser(Part):
 
     moves : whether it changes positions; else velocities
     strain : whether its strength is in proportion to the strain of the step
-    needs_fit : whether it uses flow.beyond_fit, which the pass for the strain finds if there is one
-    needs_potential : whether it uses flow.potential
+    needs_fit : whether it uses StepState.beyond_fit, which the pass for the strain finds if there is one
+    needs_potential : whether it uses StepState.potential
     free : whether it may move particles farther than positions.CAP
     carries : whether velocities follow its moves, by the field grad_u
     reads : the numbers of Numerics that only some regularisers read, and that this one does

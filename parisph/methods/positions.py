@@ -35,9 +35,9 @@ WATCHED = APART + 3.0 * SWEEP
 class PositionProjection(Regulariser):
     """Moves particles along -grad phi, lap phi = -kappa e, with the matrix of the pressure and the density error e.
 
-    In rapid flow e = alpha - 1, in calm flow only what voids lack, in proportion to `Flow.rapid` in between: in a wave
-    alpha errs in phase with it, and moves that follow would feed it. Those of a strength that is not in proportion to
-    the strain, and full closed tanks, have the whole error.
+    In rapid flow e = alpha - 1, in calm flow only what voids lack, in proportion to StepState.rapid in between: in a
+    wave alpha errs in phase with it, and moves that follow would feed it. Those of a strength that is not in proportion
+    to the strain, and full closed tanks, have the whole error.
 
     Uses the lists and the matrix of the pressure solve: within half a step, neighbours move relative to each other by
     far less than a spacing.
@@ -62,7 +62,8 @@ class PositionProjection(Regulariser):
         if flow.closed or not flow.numerics.kappa_strain:
             return density_error(flow)
         error = density_error(flow)
-        rapid = 2.0 * flow.rapid / (1.0 + flow.rapid)    # half where the strain rate is RAPID/sqrt(2) sqrt(a/s)
+        # half where the strain rate is RAPID/sqrt(2) sqrt(a/s)
+        rapid = 2.0 * flow.step.rapid / (1.0 + flow.step.rapid)
         return rapid * error + (1.0 - rapid) * voids(flow)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
@@ -83,15 +84,14 @@ class VoidFilling(PositionProjection):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        concentration(flow)
+        flow.density_ratio(wetness.FREE)
         error = voids(flow)
-        if "weight" in p.fields:
-            error[np.abs(p.weight - 1.0) > VOID] = 0.0
+        error[np.abs(p.weight - 1.0) > VOID] = 0.0
         if sums(p.comm, int(np.any(error)))[0]:
             solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        return np.zeros_like(flow.particles.x) if flow.position_solve is None else super().change(flow, dt)
+        return np.zeros_like(flow.particles.x) if flow.step.position_solve is None else super().change(flow, dt)
 
 
 def voids(flow: "Flow") -> np.ndarray:
@@ -103,12 +103,13 @@ def voids(flow: "Flow") -> np.ndarray:
     """
     p, d = flow.particles, flow.domain
     error = p.alpha.copy()    # less the surplus at walls
-    if "share" in p.fields:
-        share_of_pressed(flow)
+    if flow.open:    # where fluid is pressed together along walls, lack is the share of its half cells
+        halves.wall_share(p.lack, flow.cloud, flow.cells, halves.PRESSED, halves.FAR_BEFORE)
+        d.update("lack")
         pressed = np.empty_like(error)
         flow.walls.surplus(pressed, np.empty_like(p.x), p.lack_all, flow)
         error -= pressed
-    p.lack[:] = compression(flow, error, flow.doubt)
+    p.lack[:] = compression(flow, error, flow.step.doubt)
     d.update("lack")
     found = np.zeros(p.n_owned)
     if np.any(p.lack_all < -VOID):    # else no mean is
@@ -118,19 +119,10 @@ def voids(flow: "Flow") -> np.ndarray:
     return np.minimum(found - p.hollow, 0.0)
 
 
-def share_of_pressed(flow: "Flow") -> None:
-    """Write the shares of half cells where fluid is pressed together along walls to the field lack. Collective."""
-    p, d = flow.particles, flow.domain
-    if "share" not in p.fields:
-        return
-    halves.wall_share(p.lack, flow.cloud, flow.cells, halves.PRESSED, halves.FAR_BEFORE)
-    d.update("lack")
-
-
 def solve(flow: "Flow", error: np.ndarray) -> None:
     """Solve lap phi = -error (n_owned,) with the matrix of the pressure. Collective."""
     p = flow.particles
-    p.phi[:], flow.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-error), p.phi, slack=SLACK)
+    p.phi[:], flow.step.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-error), p.phi, slack=SLACK)
     flow.stale.add("phi")
 
 
@@ -171,13 +163,9 @@ class FickShift(Regulariser):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        gradient = flow.found.get("gradient")
-        if gradient is None:
-            flow.walls.concentration(np.empty(p.n_owned), p.grad_alpha, flow, wetness.FREE)
-        else:
-            p.grad_alpha[:] = gradient
+        flow.walls.density_gradient(p.grad_alpha, flow, wetness.FREE)
         if n.shift_strain:
-            shifting.push_off_less(p.grad_alpha, surplus(flow)[1], flow.rapid)
+            shifting.push_off_less(p.grad_alpha, surplus(flow)[1], flow.step.rapid)
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)
@@ -225,16 +213,6 @@ def _share_of(numerics):
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
-def concentration(flow: "Flow") -> None:
-    """Write the field alpha; if the Fick shift is in use, find its gradient in the same pass. Not collective."""
-    p = flow.particles
-    if "turn" not in p.fields:    # which only the Fick shift has
-        flow.density_ratio(wetness.FREE)
-        return
-    flow.found["gradient"] = np.empty_like(p.x)
-    flow.walls.concentration(p.alpha, flow.found["gradient"], flow, wetness.FREE)
-
-
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
 
@@ -242,13 +220,12 @@ def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
 
     alpha : (n_owned,); gradient : (n_owned, dim)
     """
-    p = flow.particles
-    if "surplus" not in flow.found:
-        ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
-        if "share" in p.fields:
-            flow.walls.surplus(ratio, gradient, p.share_all, flow)
-        flow.found["surplus"] = ratio, gradient
-    return flow.found["surplus"]
+    p, found = flow.particles, flow.preparation.surplus
+    if found is None:
+        found = flow.preparation.surplus = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
+        if flow.open:
+            flow.walls.surplus(*found, p.share_all, flow)
+    return found
 
 
 def density_error(flow: "Flow") -> np.ndarray:
@@ -257,8 +234,8 @@ def density_error(flow: "Flow") -> np.ndarray:
     A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
     error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
     """
-    concentration(flow)
-    return compression(flow, flow.particles.alpha, flow.doubt, surplus(flow)[0], flow.rapid)
+    flow.density_ratio(wetness.FREE)
+    return compression(flow, flow.particles.alpha, flow.step.doubt, surplus(flow)[0], flow.step.rapid)
 
 
 def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None, more: np.ndarray | None = None,

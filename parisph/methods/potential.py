@@ -40,7 +40,7 @@ def find(flow: "Flow") -> Potential:
 
 def turning_rate(flow: "Flow") -> float:
     """Return by how much [rad/s] the tank turns faster than the fluid does by `Flow.vorticity`."""
-    return (flow.spin(flow.time) if flow.spin is not None else 0.0) - 0.5 * flow.vorticity
+    return flow.turn(flow.step.time) - 0.5 * flow.vorticity
 
 
 class Irrotational(Regulariser):
@@ -61,13 +61,14 @@ class Irrotational(Regulariser):
         return numerics.filter > 0.0
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        if flow.potential is None and flow.numerics.filter_strain:
+        step, fit = flow.step, flow.step.potential
+        if fit is None and flow.numerics.filter_strain:
             return np.zeros_like(flow.particles.u)
-        beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
-        part = np.minimum(1.0, flow.numerics.filter * dt * np.sqrt(flow.by_pressure / flow.spacing))
-        if flow.potential is None:
+        beyond = straining.beyond_fit(flow) if fit is None else fit.beyond
+        part = np.minimum(1.0, flow.numerics.filter * dt * np.sqrt(step.by_pressure / flow.spacing))
+        if fit is None:
             part *= VISCOUS
-        part *= flow.rapid - 1.0
+        part *= step.rapid - 1.0
         out = np.empty_like(beyond)
         for axis in range(out.shape[1]):    # numpy is slow along a short last axis
             np.multiply(part, beyond[:, axis], out=out[:, axis])

@@ -1,27 +1,30 @@
 """One time step of the projection methods."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.kernels import balance, curvature, movement, record
 from parisph.methods import lengths, potential, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
+from parisph.methods.last_waves import LastWaves
 from parisph.methods.reports import ProjectionReport
 from parisph.methods.sliding import write_wall_velocity
+from parisph.methods.step_state import StepState
 from parisph.methods.stepping import STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
 from parisph.methods.velocities import keep_in_tank
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
-from parisph.pressure.solver import PressureSolver
+from parisph.pressure.solver import PressureSolver, SolveRecord
 
 FEW = 10             # particles without a surface that are not worth an equation
 BODIES = 4           # bodies of fluid without a surface, at most, that get one
@@ -31,6 +34,7 @@ BODIES = 4           # bodies of fluid without a surface, at most, that get one
 AT_WALLS = 2.0
 SHORTENED = 0.5      # of the usual step: one that is shortened more has no mean of its own
 ROUNDING = 1e-3      # spacings within which two particles are equally high
+Equation = tuple[Sequence[Array], Floats, int]    # CSR matrix, right-hand side, and the number of isolated particles
 
 
 class Projection:
@@ -43,6 +47,14 @@ class Projection:
     petsc_options : list of str, or None
 
     The driver uses `start`, `step`, `columns`, `state` and `destroy`, as of any method.
+
+    Attributes
+    ----------
+    accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
+        with an adaptive step
+    mean_strain : sqrt(2 S:S) of fluid in the last step, in the mean on all ranks [1/s]; 0 before the first, and in a
+        method that measures no strain
+    last_waves : the largest of it in the last waves
     """
 
     def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
@@ -50,60 +62,43 @@ class Projection:
         self.stepping = STEPPINGS[n.stepping]
         self.guesses = Guesses(self.stepping.corrected)
         self.earlier_accelerations = Accelerations()
+        self.accelerations, self.mean_strain, self.last_waves = (0.0, 0.0), 0.0, LastWaves()
         self.pressure_window: float | None = 0.0
         self._shear = np.empty((0, flow.particles.dim))
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
                                  n.surface_offset, lengths.MLS)
         self.solver = PressureSolver(flow.particles.comm, petsc_options, n.rtol, closed=flow.closed)
         flow.rows, flow.solver, flow.pressure_gradient = self.rows, self.solver, self.pressure_gradient
+        flow.bends = not (parts.gradient.whole or parts.surface_gradient.whole)
 
     def step(self, time: float, dt: float, usual: float | None = None) -> ProjectionReport:
         """Advance one projection step of dt [s]: predict, solve for pressure, correct. Collective.
 
         usual : the step [s] that would be taken if none were shortened to meet a time; default dt
         """
-        flow, parts, timers = self.flow, self.parts, self.flow.timers
-        p, domain, budget = flow.particles, flow.domain, flow.budget
-        budget.begin(p)
-        flow.usual = dt if usual is None else usual
+        flow, timers = self.flow, self.flow.timers
+        middle = time + 0.5 * dt
+        flow.budget.begin(flow.particles)
         with timers("predict"):
             self._predict(time, dt)
         with timers("redistribute"):
-            renumbered = domain.refresh("u")
+            renumbered = flow.domain.refresh("u")
         with timers("surface"):
-            self._sum_forces(time + 0.5 * dt, dt)
-            surfaces.classify(flow, parts.surface, dt)
-            self._wall_velocity()
-            domain.update("role", "u")
-            self._find_potential()
+            self._look(middle, dt, dt if usual is None else usual)
         with timers("assemble"):
-            matrix, right, isolated = self._assemble(dt)
+            equation = self._assemble(dt)
         with timers("solve"):
-            middle = time + 0.5 * dt
-            guesses = self.guesses.at(p, middle)
-            self.guesses.remember(p, middle)
-            p.p[:], solve = self.solver.solve(*matrix, right, guesses, renumbered=renumbered)
-            domain.update("p")
+            solve = self._solve(middle, equation, renumbered)
         with timers("correct"):
-            start = p.u.copy()
-            self._correct_velocity(dt)
-            budget.mark(p, "pressure")
-            for force in parts.forces:
-                if force.cause:
-                    budget.move("pressure", force.cause, force.work(flow, start))
-            self._regularise_velocity(dt)
-            if "left" in p.fields:
-                self._note_what_is_left(dt)
-            self._move(start, time, dt)
-            budget.mark(p, "pressure")
-        if parts.position_regularisers:
+            self._correct(time, dt)
+        if self.parts.position_regularisers:
             with timers("regularise"):
                 flow.fresh("x")
-                regularising.prepare(flow, parts.position_regularisers, dt)
-                regularising.change(flow, parts.position_regularisers, dt)
+                regularising.prepare(flow, self.parts.position_regularisers, dt)
+                regularising.change(flow, self.parts.position_regularisers, dt)
         with timers("record"):
             flow.fresh("u", "p")
-            return self._report(dt, solve, isolated)
+            return self._report(dt, solve, equation[-1])
 
     def start(self, time: float) -> int:
         """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles.
@@ -119,12 +114,8 @@ class Projection:
         p = flow.particles
         flow.walls.move(flow, time, time, time)
         flow.domain.refresh()
-        self._sum_forces(time)
-        surfaces.classify(flow, self.parts.surface, 0.0)
-        self._wall_velocity()
-        flow.domain.update("role", "u")
-        self._find_potential()
-        self.rows.fill(flow.force, flow.cloud, flow.walls.cells(flow))
+        self._look(time)
+        self.rows.fill(flow.step.force, flow.cloud, flow.walls.cells(flow))
         target = flow.density * (self.rows.div - self.rows.gradient_invariants(p.u_all).square)
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
@@ -144,7 +135,7 @@ class Projection:
         role = p.role.copy()
         self._sum_forces(time)
         self._find_potential()
-        found = flow.force[:p.n_owned] - self.gradient_of_pressure() / flow.density
+        found = flow.step.force[:p.n_owned] - self.gradient_of_pressure() / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
@@ -156,7 +147,8 @@ class Projection:
         After a step far shorter than usual it is the mean over the usual time: what steps leave of the divergence is
         gone after one of any length, and as a pressure grows as 1/dt.
         """
-        p, share = self.flow.particles, self.flow.dt / max(self.flow.usual, np.finfo(float).tiny)
+        p, step = self.flow.particles, self.flow.step
+        share = step.dt / max(step.usual, np.finfo(float).tiny)
         acted = p.p.copy()
         if 0.0 < share < SHORTENED:
             p.p[:] = p.p_before + share * (p.p - p.p_before)
@@ -173,12 +165,6 @@ class Projection:
         return self.flow.particles.comm.allreduce(min(part.longest_step(self.flow) for part in limiting), op=MPI.MIN)
 
     @property
-    def accelerations(self) -> tuple[float, float]:
-        """Largest acceleration of fluid in the last step, and the root of the mean square, on all ranks [m/s^2]; known
-        with an adaptive step."""
-        return self.flow.accelerations
-
-    @property
     def pressure_time(self) -> float | None:
         """Time [s] that the last solve took its pressure for: the middle of its step. None before the first."""
         return self.guesses.times[0] if self.guesses.times else None
@@ -187,7 +173,7 @@ class Projection:
     def strain_rate(self) -> float:
         """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]; in waves whose step
         it limits, the largest of the last waves."""
-        return self.flow.last_waves.largest if self.flow.numerics.wave_step else self.flow.mean_strain
+        return self.last_waves.largest if self.flow.numerics.wave_step else self.mean_strain
 
     @property
     def columns(self) -> dict[str, str]:
@@ -196,18 +182,18 @@ class Projection:
 
     def state(self) -> dict[str, Any]:
         """Return what a checkpoint needs beside the particles. Not collective."""
-        largest, mean = self.flow.accelerations
+        largest, mean = self.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
-                "mean_strain": self.flow.mean_strain, "last_waves": self.flow.last_waves.state(),
+                "mean_strain": self.mean_strain, "last_waves": self.last_waves.state(),
                 "pressure_times": self.guesses.times,
                 "acceleration_times": self.earlier_accelerations.times}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint. Not collective."""
-        self.flow.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
+        self.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
-        self.flow.mean_strain = state.get("mean_strain", 0.0)
-        self.flow.last_waves.resume(state.get("last_waves", self.flow.last_waves.state()))
+        self.mean_strain = state.get("mean_strain", 0.0)
+        self.last_waves.resume(state.get("last_waves", self.last_waves.state()))
         self.guesses.times = list(state.get("pressure_times", ()))
         if self.stepping.corrected:
             self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
@@ -233,21 +219,25 @@ class Projection:
             movement.add_to_fluid(p.x, ahead, p.kind)
         self.flow.walls.move(self.flow, time + self.stepping.ahead * dt, time, time + dt)
 
-    def _sum_forces(self, time, dt=0.0):
-        """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
-        flow = self.flow
-        flow.time, flow.dt = time, dt
-        flow.force, flow.body_force = np.zeros_like(flow.particles.x_all), np.zeros_like(flow.particles.x_all)
-        for force in self.parts.forces:
-            force.add(flow.force, flow, time)
-        if self._whole:
-            comm = flow.particles.comm
-            flow.varies = flow.uneven if comm.size == 1 else comm.allreduce(flow.uneven, op=MPI.LOR)
+    def _look(self, time: float, dt: float = 0.0, usual: float = 0.0) -> None:
+        """Sum the forces, and find the surface, the velocity of walls and the potential, as of `_sum_forces`."""
+        self._sum_forces(time, dt, usual)
+        surfaces.classify(self.flow, self.parts.surface, dt)
+        self._wall_velocity()
+        self.flow.domain.update("role", "u")
+        self._find_potential()
 
-    @property
-    def _whole(self):
-        """Whether a gradient needs the whole Laplacian of the pressure, with that by the body force."""
-        return self.parts.gradient.whole or self.parts.surface_gradient.whole
+    def _sum_forces(self, time: float, dt: float = 0.0, usual: float = 0.0) -> None:
+        """Begin a StepState with the forces at a time [s], in the middle of a step of dt [s]; 0 for an instant.
+
+        usual : see `step`
+        """
+        flow, comm = self.flow, self.flow.particles.comm
+        flow.step = step = StepState(flow.particles, time, dt, usual)
+        for force in self.parts.forces:
+            force.add(step.force, flow, time)
+        if not flow.bends:
+            step.varies = step.uneven if comm.size == 1 else comm.allreduce(step.uneven, op=MPI.LOR)
 
     def _wall_velocity(self, later=0.0):
         """Write the velocity of walls, a time [s] after the start of the step.
@@ -255,28 +245,28 @@ class Projection:
         Their shear is that of the first call in a step: until `_move`, places, normals and turns stay.
         """
         if not later:
-            self._shear = self.flow.wall_shear()
+            self._shear = self.flow.wall_shear(self.flow.step.time)
         write_wall_velocity(self.flow, self._shear, later)
 
     def _find_potential(self):
         """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
         flow = self.flow
         needed = any(part.needs_potential for part in self.parts.velocity_regularisers) and not flow.viscous
-        flow.potential = potential.find(flow) if needed else None
+        flow.step.potential = potential.find(flow) if needed else None
 
-    def _assemble(self, dt):
+    def _assemble(self, dt: float) -> Equation:
         """Rows and right-hand side: the source at inner particles, Eq. 25 (2014 paper) at wet walls."""
         flow = self.flow
-        self.rows.fill(flow.particles.u_all + dt * flow.force, flow.cloud, flow.walls.cells(flow))
+        self.rows.fill(flow.particles.u_all + dt * flow.step.force, flow.cloud, flow.walls.cells(flow))
         return self._equation(self.parts.source.target(flow, dt))
 
-    def _equation(self, target):
+    def _equation(self, target: Floats) -> Equation:
         """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
 
         At wet walls n . grad p = rho n . (force - a), with the acceleration a of fluid that slides along the wall in
         the step, and the target is ignored.
         """
-        p, force, rows, cloud = self.flow.particles, self.flow.force, self.rows.rows, self.rows.cloud
+        p, force, rows, cloud = self.flow.particles, self.flow.step.force, self.rows.rows, self.rows.cloud
         if not self.parts.laplacian.linear:
             balance.add_linear_part(target, rows, cloud, force, self.flow.density)
         moved = self.flow.walls.normal_acceleration(self.flow)
@@ -287,7 +277,7 @@ class Projection:
         matrix, isolated = self._matrix()
         balance.without_equation(right, p.role)
         self.parts.wall_rows.complete(right, rows, cloud, self.flow)
-        if "surface_pressure" in p.fields:
+        if self.flow.stressed:
             self.rows.add_surface_values(right, p.surface_pressure_all)
         return matrix, right, isolated
 
@@ -300,17 +290,16 @@ class Projection:
         the vorticity that all fluid carries.
         """
         flow = self.flow
-        p, fit = flow.particles, flow.potential
-        if "laplacian" not in p.fields:
+        if not flow.bent:
             return
+        p, step, fit = flow.particles, flow.step, flow.step.potential
         p.laplacian[:] = 0.0
-        flow.bends = not self._whole
-        if flow.bends or len(self.parts.forces) > 1 or flow.varies:
-            self.rows.divergence(p.laplacian, flow.force - flow.body_force if flow.bends else flow.force)
+        if flow.bends or len(self.parts.forces) > 1 or step.varies:
+            self.rows.divergence(p.laplacian, step.force - step.body_force if flow.bends else step.force)
         if fit is None:
             p.laplacian -= self.rows.gradient_invariants(p.u_all).square
         p.laplacian *= flow.density
-        if fit is None or len(self.parts.forces) > 1 or flow.varies:
+        if fit is None or len(self.parts.forces) > 1 or step.varies:
             flow.domain.update("laplacian")
             curvature.continue_laplacian(p.laplacian_all, flow.cloud, lengths.WALL * flow.spacing)
         if fit is not None:
@@ -324,7 +313,7 @@ class Projection:
         moved : (n_owned,) acceleration across the wall [m/s^2], None if no wall moves
         """
         p = self.flow.particles
-        pull, wall = self.flow.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
+        pull, wall = self.flow.step.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
         if wall is not None:
             pull = pull - wall - (moved - np.einsum("ia,ia->i", p.normal, wall))[:, None] * p.normal
         balance.add_linear_part_at_walls(right, self.rows.rows, self.rows.cloud, pull, self.flow.density)
@@ -345,7 +334,7 @@ class Projection:
         for _ in range(BODIES):
             if left <= FEW:
                 break
-            top = groups.highest(p.comm, alone & (p.kind == FLUID), p.x, flow.force[:p.n_owned], p.id,
+            top = groups.highest(p.comm, alone & (p.kind == FLUID), p.x, flow.step.force[:p.n_owned], p.id,
                                  ROUNDING * flow.spacing)
             p.role[top] = SURFACE
             self.rows.pin(top)
@@ -368,28 +357,50 @@ class Projection:
         *matrix, anchored = self.rows.csr(self.flow.domain.global_rows)
         return matrix, *groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
 
+    def _solve(self, middle: float, equation: Equation, renumbered: bool) -> SolveRecord:
+        """Solve for the pressure in the middle of the step [s]. Collective."""
+        p, (matrix, right, _) = self.flow.particles, equation
+        guesses = self.guesses.at(p, middle)
+        self.guesses.remember(p, middle)
+        p.p[:], solve = self.solver.solve(*matrix, right, guesses, renumbered=renumbered)
+        self.flow.domain.update("p")
+        return solve
+
+    def _correct(self, time: float, dt: float) -> None:
+        """Correct the velocity by the pressure, regularise it, and move with it. Collective."""
+        flow, p, budget = self.flow, self.flow.particles, self.flow.budget
+        start = p.u.copy()
+        self._correct_velocity(dt)
+        budget.mark(p, "pressure")
+        for force in self.parts.forces:
+            if force.cause:
+                budget.move("pressure", force.cause, force.work(flow, start))
+        self._regularise_velocity(dt)
+        if flow.returned:
+            self._note_what_is_left(dt)
+        self._move(start, time, dt)
+        budget.mark(p, "pressure")
+
     def _correct_velocity(self, dt):
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
-        flow = self.flow
-        p = flow.particles
-        grad = self.gradient_of_pressure()
-        acceleration, flow.by_pressure = np.empty_like(grad), np.empty(p.n_owned)
-        movement.accelerate(p.u, acceleration, flow.by_pressure, grad, flow.force, flow.density, dt, p.kind)
+        flow, step = self.flow, self.flow.step
+        p, grad = flow.particles, self.gradient_of_pressure()
+        acceleration = np.empty_like(grad)
+        movement.accelerate(p.u, acceleration, step.by_pressure, grad, step.force, flow.density, dt, p.kind)
         moved = flow.walls.acceleration(flow)
         if moved is not None:
             p.u += dt * moved
         if self.stepping.corrected:
-            self.earlier_accelerations.remember(p, acceleration, flow.time, dt, flow.usual)
-        elif "acceleration" in p.fields:
+            self.earlier_accelerations.remember(p, acceleration, step.time, dt, step.usual)
+        elif flow.accelerated:
             movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         flow.stale.add("u")
         if flow.numerics.time_step is None:
-            flow.accelerations = _of_all(p.comm, *record.fluid_sizes(acceleration, p.kind))
+            self.accelerations = _of_all(p.comm, *record.fluid_sizes(acceleration, p.kind))
 
     def _regularise_velocity(self, dt):
         """Regularise the velocity, and measure the strain of the step if any part needs it, with the same message."""
         flow, regularisers, strains = self.flow, self.parts.velocity_regularisers, self.parts.measures_strain
-        flow.collisions, flow.position_solve = 0, None
         flow.fresh("role", "u")
         if strains:
             straining.begin(flow, any(part.needs_fit for part in regularisers))
@@ -407,9 +418,9 @@ class Projection:
         """
         flow = self.flow
         p, mean = flow.particles, flow.numerics.pressure_mean
-        time = mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned], acceleration,
+        time = mean * resolved_time(p.comm, p, flow.spacing, flow.step.force[:p.n_owned], acceleration,
                                     flow.walls.acceleration(flow)) if mean else 0.0
-        return max(AT_WALLS * time, SHORTENED * flow.usual)
+        return max(AT_WALLS * time, SHORTENED * flow.step.usual)
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None,
                           laplacian: np.ndarray | None = None) -> np.ndarray:
@@ -428,8 +439,8 @@ class Projection:
     def gradient_of_pressure(self) -> np.ndarray:
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
-        bent = flow.particles.laplacian if "laplacian" in flow.particles.fields else None
-        out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force, bent)
+        bent = flow.particles.laplacian if flow.bent else None
+        out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.step.force, bent)
         self.parts.gradient.complete(out, flow)
         self.parts.surface_gradient.complete(out, flow)
         return out
@@ -457,22 +468,22 @@ class Projection:
 
     def _report(self, dt, solve, isolated):
         flow = self.flow
-        p, second = flow.particles, flow.position_solve
-        if "left" in p.fields:    # it is known
+        p, step = flow.particles, flow.step
+        if flow.returned:    # it is known
             div = p.left
         else:
             div = np.empty(p.n_owned)
             self.rows.divergence(div, p.u_all)
-        strained = np.empty(0) if flow.strained is None else flow.strained
-        sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure, strained), flow.collisions])
+        sums = np.array([*record.step_sums(div, p.role, p.kind, step.by_pressure, step.strained), step.collisions])
         if p.comm.size > 1:
             p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
         squares, count, surface, roots, particles, strain, collisions = sums
-        flow.mean_strain = float(strain / max(particles, 1.0)) / dt
+        self.mean_strain = float(strain / max(particles, 1.0)) / dt
         acceleration = float(roots / max(particles, 1.0)) ** 2
-        flow.last_waves.take(flow.mean_strain, dt, flow.wave_time)
+        self.last_waves.take(self.mean_strain, dt, flow.wave_time)
         straining.remember(flow, acceleration, dt)
         self.pressure_window = self._window(acceleration)
+        second = step.position_solve
         again = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}
         return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations,

@@ -8,6 +8,7 @@ from parisph.kernels import movement, shifting
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
 from parisph.methods.positions import CAP, displace
+from parisph.methods.step_state import Preparation
 
 
 def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
@@ -15,7 +16,7 @@ def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
 
     dt : of the step [s]
     """
-    flow.found.clear()
+    flow.preparation = Preparation()
     for part in parts:
         part.prepare(flow, dt)
     flow.fresh()

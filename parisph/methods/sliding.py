@@ -20,11 +20,11 @@ def write_wall_velocity(flow: "Flow", shear: np.ndarray, later: float = 0.0) -> 
     shear : (n_owned, dim) [1/s] of Flow.wall_shear; later : time [s] after the one for which walls have their velocity
     """
     p = flow.particles
-    own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
+    own = p.wall_u if flow.slides else np.zeros_like(p.u)
     moved = flow.walls.acceleration(flow) if later else None
     if moved is not None:
         own = own + later * moved
     gradient.wall_velocity(p.u_all, flow.cloud, own, shear, lengths.WALL * flow.spacing)
-    if "no_slip" in p.fields:
+    if flow.sticks:
         sticky = (p.kind == WALL) & (p.no_slip == 1)
         p.u[sticky] = own[sticky]

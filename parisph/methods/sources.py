@@ -52,10 +52,10 @@ class Mixed(Source):
             return density / dt * zeta * flow.rows.div
         target, none = np.empty(p.n_owned), np.empty(0)
         expansion, left = (p.expansion, p.left) if n.volume_time > 0.0 else (none, none)
-        weights = mixed_source.Weights(density, dt, flow.usual, zeta, n.strain, n.residual_strain,
+        weights = mixed_source.Weights(density, dt, flow.step.usual, zeta, n.strain, n.residual_strain,
                                        max(n.volume_time * flow.wave_time, GIVEN * dt))
         mixed_source.mixed(target, expansion, flow.cloud, flow.rows.div, left, flow.rows.gradient_invariants(p.u_all),
-                           flow.force, weights)
+                           flow.step.force, weights)
         return target
 
 

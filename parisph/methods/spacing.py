@@ -26,7 +26,7 @@ class EvenShift(Shift):
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p = flow.particles
-        across = p.acceleration - flow.force[:p.n_owned]
+        across = p.acceleration - flow.step.force[:p.n_owned]
         even_spacing.even_out(move, flow.cloud, across, flow.walls.known_slopes(flow), self.strength(flow))
         shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
 

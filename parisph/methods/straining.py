@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.kernels import strain
 from parisph.methods import lengths
 
@@ -27,29 +28,29 @@ def begin(flow: "Flow", fit: bool = False) -> None:
     Of a potential flow they are known, that of the start of the step. Where the fit is wanted too, the rate is the
     smaller one of both: a rotation is no potential flow, and has strain there.
 
-    fit : whether flow.beyond_fit is wanted, which the same pass finds
+    fit : whether StepState.beyond_fit is wanted, which the same pass finds
     """
-    p = flow.particles
+    p, step = flow.particles, flow.step
     flow.stale.update(FIELDS)
-    if flow.potential is not None and not fit:
-        p.grad_u[:], flow.beyond_fit = flow.potential.gradient, None
-        np.sqrt(2.0 * flow.potential.square, out=p.strain_rate)
+    if step.potential is not None and not fit:
+        p.grad_u[:], step.beyond_fit = step.potential.gradient, None
+        np.sqrt(2.0 * step.potential.square, out=p.strain_rate)
         return
     flow.fresh("role", "u")
     found = np.empty((p.n_owned if fit else 0, p.dim))
     strain.velocity_gradient(p.grad_u, p.strain_rate, found, flow.cloud, p.u_all, lengths.MLS * flow.spacing, SPAN)
-    if flow.potential is not None:
-        np.minimum(p.strain_rate, np.sqrt(2.0 * flow.potential.square), out=p.strain_rate)
-    flow.beyond_fit = found if fit else None
+    if step.potential is not None:
+        np.minimum(p.strain_rate, np.sqrt(2.0 * step.potential.square), out=p.strain_rate)
+    step.beyond_fit = found if fit else None
 
 
-def beyond_fit(flow: "Flow") -> np.ndarray:
+def beyond_fit(flow: "Flow") -> Floats:
     """Return what velocities (n_owned, dim) [m/s] have beyond the moving least squares of their neighbours.
 
     It is that of `begin` if this has found it. Not collective.
     """
-    if flow.beyond_fit is not None:
-        return flow.beyond_fit
+    if flow.step.beyond_fit is not None:
+        return flow.step.beyond_fit
     p = flow.particles
     found = np.empty_like(p.u)
     strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), found, flow.cloud, p.u_all,
@@ -58,24 +59,26 @@ def beyond_fit(flow: "Flow") -> np.ndarray:
 
 
 def finish(flow: "Flow", dt: float) -> None:
-    """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, flow.rapid and flow.doubt. Collective.
+    """Write the strain of a step: strained, dt sqrt(2 S:S) as the mean around each particle, rapid, doubt and whole.
+
+    Collective.
 
     Regularisation is in proportion to strain: fluid at rest or in rigid motion is left alone, and the effect over
     a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
     acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
     moves in proportion to a small velocity would make it grow. See kernels.strain.judge.
     """
-    p = flow.particles
+    p, step = flow.particles, flow.step
     flow.fresh(*FIELDS)
     out = p.strain_rate
-    if flow.potential is None or flow.beyond_fit is not None:    # else its fit is a mean itself
+    if step.potential is None or step.beyond_fit is not None:    # else its fit is a mean itself
         out = np.empty(p.n_owned)
         strain.mean_over_fluid(out, flow.cloud, p.strain_rate_all, lengths.MLS * flow.spacing)
     found = np.empty((3, p.n_owned))
     # a full closed tank does not notice a uniform force, which only its pressure balances
-    strain.judge(found, out, flow.by_pressure, flow.spacing, dt, 0.0 if flow.closed else REST, RAPID, DOUBT)
-    flow.strained, flow.rapid, flow.doubt = found
-    flow.whole = whole(flow, dt)
+    strain.judge(found, out, step.by_pressure, flow.spacing, dt, 0.0 if flow.closed else REST, RAPID, DOUBT)
+    step.strained, step.rapid, step.doubt = found
+    step.whole = whole(flow, dt)
 
 
 def whole(flow: "Flow", dt: float) -> float:
@@ -102,11 +105,11 @@ def remember(flow: "Flow", acceleration: float, dt: float) -> None:
         flow.mean_acceleration = max(acceleration, left * flow.mean_acceleration)
 
 
-def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:
+def strength(flow: "Flow", most: float, per_strain: float) -> Floats:
     """Return a strength (n,) in proportion to the strain of the step, at most `most` in a whole one (`whole`).
 
     It is `most` if per_strain is 0.
     """
     if per_strain:
-        return np.minimum(flow.whole * most, per_strain * flow.strained)
+        return np.minimum(flow.step.whole * most, per_strain * flow.step.strained)
     return np.full(flow.particles.n_owned, most)

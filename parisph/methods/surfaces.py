@@ -22,18 +22,18 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     Where a part needs it, also the field share, of the half cells at walls for which fluid stands: fluid that fills a
     closed tank started at all of its walls.
 
-    flow.force : (n_all, dim) [m/s^2], and dt [s]: of the step that begins
+    flow.step.force : (n_all, dim) [m/s^2], and dt [s]: of the step that begins
     """
     p, d = flow.particles, flow.domain
     if not rule.open:
         rule.find(flow, p.kind_all)
         return
-    wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.force, dt)
-    if "share" in p.fields:
+    wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.step.force, dt)
+    if flow.half_cells:
         halves.wall_share(p.share, flow.cloud, flow.cells, 1.0, halves.BEFORE)
     also = flow.walls.cover(flow)
-    d.update(*(name for name in ("closing", "share") if name in p.fields), *also)
-    if "alpha" in p.fields:
+    d.update("closing", *(("share",) if flow.half_cells else ()), *also)
+    if flow.weighed:
         flow.density_ratio(wetness.CLOSING)
     rule.find(flow, flow.seen(wetness.CLOSING))
     d.update("role")

@@ -42,7 +42,7 @@ class Film(Regulariser):
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
         change = np.empty_like(p.u)
-        films.settle(change, flow.cloud, p.u_all, flow.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
+        films.settle(change, flow.cloud, p.u_all, flow.step.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
         return change
 
 
@@ -63,7 +63,7 @@ class Collisions(Regulariser):
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, n = flow.particles, flow.numerics
         change, distance = np.empty_like(p.u), n.collision_distance
-        flow.collisions = collisions.pair_collisions(change, flow.close_pairs(distance), p.pairs_all, p.u_all,
+        flow.step.collisions = collisions.pair_collisions(change, flow.close_pairs(distance), p.pairs_all, p.u_all,
                                                      p.grad_u_all, distance * flow.spacing, n.restitution)
         return change
 

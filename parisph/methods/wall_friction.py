@@ -28,7 +28,7 @@ class WallFriction(Force):
     def work(self, flow: "Flow", start: np.ndarray) -> float:
         p = flow.particles
         power = np.einsum("ia,ia->i", p.friction, 0.5 * (start + p.u))
-        return flow.density * flow.dt * float(p.volume @ power)
+        return flow.density * flow.step.dt * float(p.volume @ power)
 
 
 FORCES.register(WallFriction())

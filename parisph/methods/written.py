@@ -48,14 +48,13 @@ def _walls_along(flow, time):
     """
     p, d = flow.particles, flow.domain
     d.update("x", "u", "role")
-    velocity, before = p.u.copy(), flow.time
-    flow.time = time
-    write_wall_velocity(flow, flow.wall_shear())
+    velocity = p.u.copy()
+    write_wall_velocity(flow, flow.wall_shear(time))
     d.update("u")
     try:
         yield
     finally:
-        flow.time, p.u[:] = before, velocity
+        p.u[:] = velocity
         d.update("u")
 
 

@@ -60,7 +60,7 @@ def step(across, timed):
     solves, start = 0.0, time.process_time()
     for _ in range(STEPS):
         report = simulation.advance()
-        position = simulation.method.flow.position_solve
+        position = simulation.method.flow.step.position_solve
         solves += report.setup_seconds + report.solve_seconds + position.setup_seconds + position.solve_seconds
     total = time.process_time() - start
     n = simulation.particles.n_owned

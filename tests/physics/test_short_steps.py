@@ -30,7 +30,7 @@ def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure(simulated):
     s = simulated(scene("standing_wave", spacing=0.1))
     for _ in range(3):
         s.advance()
-    s.method.flow.dt *= 0.1
+    s.method.flow.step.dt *= 0.1
     acted = s.particles.p.copy()
     with s.method.shown():
         np.testing.assert_allclose(s.particles.p, 0.9 * s.particles.p_before + 0.1 * acted, rtol=1e-12)

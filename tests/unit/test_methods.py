@@ -95,7 +95,7 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
 def assembled(simulation, force, dt):
     """Return the right-hand side of a step of dt with a body force (n_all, dim)."""
     method = simulation.method
-    method.flow.force = method.flow.body_force = force
+    method.flow.step.force = method.flow.step.body_force = force
     classify(method.flow, method.parts.surface, dt)
     return method._assemble(dt)[1]
 
@@ -185,7 +185,7 @@ def test_position_projection_spreads_what_is_too_dense():
     assembled(simulation, np.zeros_like(p.x_all), 0.001)
     before = p.alpha.copy()
     simulation.method.start(0.0)
-    flow.strained, flow.rapid = np.ones((2, p.n_owned))
+    flow.step.strained, flow.step.rapid = np.ones((2, p.n_owned))
     regularising.prepare(flow, parts.position_regularisers, 0.001)
     regularising.change(flow, parts.position_regularisers, 0.001)
     simulation.domain.refresh()

@@ -31,17 +31,17 @@ def apply(method, regularisers):
 
 def strain_of_step(method, dt):
     """Return the strain of a step (n_owned,)."""
-    method.flow.potential = potential.find(method.flow)
+    method.flow.step.potential = potential.find(method.flow)
     straining.begin(method.flow, fit=True)
     straining.finish(method.flow, dt)
-    return method.flow.strained
+    return method.flow.step.strained
 
 
 def moved(s, strained):
     """Return how far `positions` moves the particles, in spacings: (n_owned,)."""
     p = s.particles
     x = p.x.copy()
-    s.method.flow.strained = strained
+    s.method.flow.step.strained = strained
     apply(s.method, s.method.parts.position_regularisers)
     lengths = np.linalg.norm(p.x - x, axis=1) / s.numerics.spacing
     p.x[:] = x
@@ -63,7 +63,7 @@ def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
 
 def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
     p, method = falling.particles, falling.method
-    u, method.flow.by_pressure = p.u.copy(), np.full(p.n_owned, 9.81)
+    u, method.flow.step.by_pressure = p.u.copy(), np.full(p.n_owned, 9.81)
     once = {}
     for factor in (1e-7, 2e-7, 1e4, 2e4):
         p.u[:] = factor * u
@@ -72,7 +72,7 @@ def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
     np.testing.assert_allclose(once[2e-7], 4.0 * once[1e-7], rtol=1e-3)
     fast = once[1e4] > 1.0
     np.testing.assert_allclose(once[2e4][fast], 2.0 * once[1e4][fast], rtol=1e-2)
-    method.flow.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
+    method.flow.step.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
     p.u[:] = 1e-7 * u
     np.testing.assert_allclose(strain_of_step(method, 0.01), 1e-11 * once[1e4], rtol=1e-2)
 
@@ -103,7 +103,7 @@ def test_what_nothing_needs_is_not_computed():
     assert not s.method.parts.measures_strain
     assert not {"grad_u", "strain_rate", "pairs", "phi", "turn"} & set(s.particles.fields)
     s.advance()     # the filter with a fixed strength needs no strain
-    assert s.method.flow.strained is None
+    assert not s.method.flow.step.strained.any()
     s.destroy()
 
 

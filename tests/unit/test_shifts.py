@@ -46,7 +46,7 @@ def test_a_shift_is_the_same_before_and_after_the_position_projection(name):
         s.advance()
         flow = s.method.flow
         s.domain.refresh()
-        flow.strained = np.full(s.particles.n_owned, 0.01)
+        flow.step.strained = np.full(s.particles.n_owned, 0.01)
         regularising.prepare(flow, [REGULARISERS[part] for part in order], 0.004)
         moves.append(REGULARISERS[name].change(flow, 0.004).copy())
         s.destroy()
@@ -72,7 +72,7 @@ def test_a_cluster_in_a_full_tank_is_spread(name):
     s.domain.refresh()
     p.u[p.kind == FLUID] = (1.0, 0.0)    # a speed, to which one of them is in proportion
     before = nearest(p)
-    flow.strained = np.ones(p.n_owned)
+    flow.step.strained = np.ones(p.n_owned)
     for _ in range(20):
         s.domain.update("x")
         regularising.prepare(flow, [REGULARISERS[name]], 0.01)

@@ -1,0 +1,82 @@
+"""What a step finds about the flow, and what its regularisers find for each other."""
+
+from dataclasses import InitVar, dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.kernels.potential_fit import Potential
+from parisph.kernels.records import Cloud
+from parisph.parallel.particles import Particles
+
+if TYPE_CHECKING:
+    from parisph.pressure.solver import SolveRecord
+
+
+@dataclass(slots=True)
+class StepState:
+    """What one step finds, made anew when its forces are summed. Each stage writes its own part.
+
+    particles : where they are then
+    time : at which the operators of the step act [s]; dt : its length [s], 0 for a look at an instant
+    usual : its length if it were not shortened to meet a time [s]
+
+    Attributes
+    ----------
+    Forces: force (n_all, dim) [m/s^2]; body_force, the part of it by gravity and the inertia of the tank, not to be
+    changed afterwards; absorbed (n_owned, dim), the part by zones that absorb; varies, whether the body force differs
+    from place to place, the same on all ranks.
+
+    Surface: potential, that of the velocity at the start of the step; None if no part needs it.
+
+    Correction: by_pressure (n_owned,), size of the acceleration by pressure alone [m/s^2].
+
+    Strain (methods.straining), 0 if no part needs it: strained, rapid, doubt (n_owned,); whole; beyond_fit (n_owned,
+    dim) [m/s] of kernels.strain.velocity_gradient, None if no part needs it.
+
+    Regularisers: collisions, the number of pairs of owned particles that have collided; position_solve, the record of
+    the position projection's solve, None without one.
+    """
+
+    particles: InitVar[Particles]
+    time: float = 0.0
+    dt: float = 0.0
+    usual: float = 0.0
+    force: Floats = field(init=False)
+    body_force: Floats = field(init=False)
+    absorbed: Floats = field(init=False)
+    varies: bool = False
+    potential: Potential | None = None
+    by_pressure: Floats = field(init=False)
+    strained: Floats = field(init=False)
+    rapid: Floats = field(init=False)
+    doubt: Floats = field(init=False)
+    whole: float = 1.0
+    beyond_fit: Floats | None = None
+    collisions: int = 0
+    position_solve: "SolveRecord | None" = None
+
+    def __post_init__(self, particles: Particles) -> None:
+        self.force, self.body_force = np.zeros((2, *particles.x_all.shape))
+        self.absorbed = np.zeros_like(particles.x)
+        self.by_pressure, self.strained, self.rapid, self.doubt = np.zeros((4, particles.n_owned))
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the body force varies among the particles of this rank."""
+        force = self.body_force
+        return force.strides[0] != 0 and bool(np.any(force != force[:1]))    # one row for all is the usual force
+
+
+@dataclass(slots=True)
+class Preparation:
+    """What regularisers find for each other from one state of the particles, made anew by `regularising.prepare`.
+
+    pairs : {distance [spacings]: Flow.close_pairs}; surplus : positions.surplus, None before it is known
+    top_speed : of fluid, on all ranks [m/s], where a part has found it
+    """
+
+    pairs: dict[float, Cloud] = field(default_factory=dict)
+    surplus: tuple[Floats, Floats] | None = None
+    top_speed: float = 0.0
