@@ -147,10 +147,6 @@ class Boundary:
         along = np.einsum("ia,ia->i", p.normal, e.of_particles(e.a, p))
         return along - 2.0 * np.einsum("ia,ia->i", e.of_particles(e.turn, p), p.u - p.wall_u)
 
-    def shear(self, flow: "Flow") -> np.ndarray:
-        """Return what Flow.wall_shear is by the motion of walls: (n_owned, dim) [1/s]."""
-        return -self.elements.of_particles(self.elements.turn, flow.particles)
-
     def longest_step(self, flow: "Flow", time: float) -> float:
         """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
         return self.elements.longest_step(time, flow.numerics.cfl)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -57,9 +58,9 @@ class Compressible:
     """
 
     def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0,
-                 gravity: np.ndarray | None = None) -> None:
+                 gravity: Floats | None = None) -> None:
         self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
-        self.settle, self.gravity = settle, gravity
+        self.settle, self.gravity = settle, np.zeros(flow.particles.dim) if gravity is None else gravity
         self.h = lengths.SPH * flow.spacing
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
@@ -87,11 +88,10 @@ class Compressible:
         """Advance one step of dt [s]. Collective."""
         if not self._begun:
             self.start(time)
-        flow, timers = self.flow, self.flow.timers
-        p, budget = flow.particles, flow.budget
-        budget.begin(p)
+        flow, p, timers = self.flow, self.flow.particles, self.flow.timers
+        flow.budget.begin(p)
         self._advance(time + dt, dt, flow.body)
-        budget.mark(p, "pressure")
+        flow.budget.mark(p, "pressure")
         self._steps += 1
         if self._steps % SURFACE_EVERY == 0:
             with timers("surface"):
@@ -99,7 +99,7 @@ class Compressible:
         with timers("record"):
             return self._report(dt)
 
-    def acceleration(self, time: float) -> np.ndarray:
+    def acceleration(self, time: float) -> Floats:
         """Return the acceleration [m/s^2] of owned particles, 0 for walls."""
         return self.flow.particles.pull.copy()
 
@@ -124,7 +124,7 @@ class Compressible:
         """Return what a checkpoint needs beside the particles."""
         return {"acceleration": self.accelerations[0], "surface_steps": self._steps}
 
-    def resume(self, state: dict) -> None:
+    def resume(self, state: dict[str, Any]) -> None:
         """Continue from the state in a checkpoint."""
         self._begun = True
         self.accelerations, self._steps = (state.get("acceleration", 0.0), 0.0), state.get("surface_steps", 0)
@@ -138,13 +138,9 @@ class Compressible:
 
     # -- the parts of the step, in order ---------------------------------------------------
 
-    def _settle(self, time):
-        """Let water come to rest, its velocity damped within a hundredth of the whole time that this takes.
-
-        Collective.
-        """
-        flow, left = self.flow, self.settle
-        p = flow.particles
+    def _settle(self, time: float) -> None:
+        """Let water come to rest, its velocity damped within a hundredth of the time that this takes. Collective."""
+        p, left = self.flow.particles, self.settle
 
         def still(x: Floats, t: float) -> Floats:
             return np.tile(self.gravity, (len(x), 1))
@@ -155,7 +151,7 @@ class Compressible:
             self._advance(time, dt, still)
             left -= dt
         p.u[:] = 0.0
-        flow.domain.refresh("u")
+        self.flow.domain.refresh("u")
 
     def _advance(self, stop: float, dt: float, body: Callable[[Floats, float], Floats]) -> None:
         """Move fluid by a step of dt [s] that ends at `stop` [s]. Collective. body : as of Flow."""
@@ -174,12 +170,12 @@ class Compressible:
             fluid = p.kind == FLUID
             p.u[fluid] += 0.5 * dt * p.pull[fluid]
 
-    def _state(self, force=None):
+    def _state(self, force: Floats | None = None) -> weakly.State:
         """Return the fields as kernels take them; force : (n_all, dim) [m/s^2], where it is needed."""
         p = self.flow.particles
         return weakly.State(p.u_all, p.p_all, p.rho_all, p.u_all if force is None else force, self.mass, self.h)
 
-    def _moving(self):
+    def _moving(self) -> Floats:
         """Return the velocity with which particles move (n_owned, dim) [m/s] (Eq 9)."""
         p, n = self.flow.particles, self.flow.numerics
         if not n.xsph:
@@ -188,7 +184,7 @@ class Compressible:
         weakly.xsph_velocity(out, self.flow.cloud, self._state(), n.xsph)
         return out
 
-    def _densities(self, dt):
+    def _densities(self, dt: float) -> None:
         """Change the densities of fluid, and with them its pressure (Eqs 3 and 7)."""
         flow, p = self.flow, self.flow.particles
         rate = np.empty(p.n_owned)
@@ -197,7 +193,7 @@ class Compressible:
         p.rho[fluid] += dt * rate[fluid]
         p.p[fluid] = self.pressure(p.rho[fluid], self.sound, flow.density)
 
-    def _pull(self, time, body):
+    def _pull(self, time: float, body: Callable[[Floats, float], Floats]) -> None:
         """Continue pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
         flow = self.flow
         p, d = flow.particles, flow.domain
@@ -213,7 +209,7 @@ class Compressible:
                             flow.numerics.artificial_viscosity)
         p.pull[~wall] += state.force[:p.n_owned][~wall]
 
-    def _find_surface(self):
+    def _find_surface(self) -> None:
         """Give fluid its role, for probes and pictures: that of the start, or on the surface where div r is small
         (Lee et al. 2008)."""
         flow = self.flow
@@ -232,7 +228,7 @@ class Compressible:
         p.role[fluid] = np.where(spread[fluid] == 0.0, BALLISTIC, found)
         d.update("role")
 
-    def _report(self, dt):
+    def _report(self, dt: float) -> CompressibleReport:
         flow, p = self.flow, self.flow.particles
         fluid = p.kind == FLUID
         compression, speed, strongest = _largest(
@@ -243,8 +239,8 @@ class Compressible:
         return CompressibleReport(dt, surface, 0, flow.budget.works(p.comm), compression, speed)
 
 
-def _largest(comm, *values):
+def _largest(comm: MPI.Comm, *values: float) -> list[float]:
     """Return the largest of each value on all ranks. Collective."""
     found = np.array(values, float)
     comm.Allreduce(MPI.IN_PLACE, found, op=MPI.MAX)
-    return found.tolist()
+    return [float(value) for value in found]

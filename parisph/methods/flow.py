@@ -11,6 +11,7 @@ from parisph.base.log import Timers
 from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
 from parisph.kernels import gradient, pairs, surface, wetness
+from parisph.kernels.curvature import Bending
 from parisph.kernels.jit import axes_of
 from parisph.kernels.records import Cloud
 from parisph.methods import lengths
@@ -22,10 +23,6 @@ from parisph.parallel.particles import Particles
 if TYPE_CHECKING:
     from parisph.pressure.rows import PressureRows
     from parisph.pressure.solver import PressureSolver
-
-# the fields that only some scenes have, in the order of Flow's attributes that say so
-CARRIED = ("closing", "swirl", "share", "alpha", "wall_u", "no_slip", "surface_pressure", "laplacian", "left",
-           "acceleration")
 
 
 class Flow:
@@ -50,16 +47,7 @@ class Flow:
     Attributes
     ----------
     full : lattice value of the density ratio's sum
-    Whether particles carry what only some scenes need, the same on all ranks:
-        open : what closes gaps of air, as walls may be dry: the method looks for a free surface
-        rotational : vorticity from the start
-        half_cells : for which part of the half cells at walls fluid stands
-        weighed : the density ratio
-        slides, sticks : the velocity of walls themselves, and which of them fluid sticks to
-        stressed : the pressure of the viscous stress at a free surface
-        bent : the Laplacian of the pressure
-        returned : the divergence that the last step has left, which is given back
-        accelerated : the acceleration in the last step
+    open, ..., accelerated : whether the scene needs what the comments name
     rows, solver, pressure_gradient : of a projection, which sets them: PressureRows, PressureSolver, and a function of
         f (n_all,)
     bends : of a projection: whether the field laplacian is without the divergence of the body force
@@ -86,8 +74,17 @@ class Flow:
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
-        (self.open, self.rotational, self.half_cells, self.weighed, self.slides, self.sticks, self.stressed, self.bent,
-         self.returned, self.accelerated) = (name in particles.fields for name in CARRIED)
+        carried = particles.fields
+        self.open = "closing" in carried    # a free surface: walls may be dry
+        self.rotational = "swirl" in carried    # the vorticity that fluid has from the start
+        self.half_cells = "share" in carried    # for which part of the half cells at walls fluid stands
+        self.weighed = "alpha" in carried    # the density ratio
+        self.slides = "wall_u" in carried    # the velocity of walls themselves
+        self.sticks = "no_slip" in carried    # the walls that fluid sticks to
+        self.stressed = "surface_pressure" in carried    # the viscous stress at a free surface
+        self.bent = "laplacian" in carried    # the Laplacian of the pressure
+        self.returned = "left" in carried    # the divergence that a step leaves, to be given back
+        self.accelerated = "acceleration" in carried    # the acceleration of the last step
         self.bends = True
         self.mean_acceleration = 0.0
         self.stale: set[str] = set()
@@ -105,21 +102,14 @@ class Flow:
         return self.density * force if self.bends and self.step.uneven else force[:0]
 
     @property
-    def outer_pull(self) -> Floats:
-        """That of a force from outside, (0, dim) in a tank that turns: what its inertia bends belongs to the strain, as
+    def bending(self) -> Bending | None:
+        """What bends the pressure of fluid that is not strained, None if nothing does: a force from outside that is not
+        uniform, and vorticity, by rho w^2/2. What the inertia of a tank that turns bends belongs to the strain, as
         water in free flight shows."""
-        return self.pull if self.spin is None else self.step.body_force[:0]
-
-    @property
-    def without_strain(self) -> Floats:
-        """The Laplacian of the pressure (n_all,) [Pa/m^2] by vorticity alone, rho w^2/2, seen from the tank as well."""
-        return 0.5 * self.density * self.swirl(self.step.time)**2
-
-    @property
-    def bent_without_strain(self) -> bool:
-        """Whether `outer_pull` or `without_strain` bends the pressure, the same on all ranks."""
-        turns = self.viscous and self.spin is not None
-        return turns or self.rotational or len(self.outer_pull) > 0
+        pull = self.pull if self.spin is None else self.step.body_force[:0]
+        if not (self.rotational or len(pull) or (self.viscous and self.spin is not None)):
+            return None
+        return Bending(0.5 * self.density * self.swirl(self.step.time)**2, pull)
 
     def turn(self, time: float) -> float:
         """Return the angular velocity of the tank at a time [s]: [rad/s]."""
@@ -136,7 +126,8 @@ class Flow:
         3/2 beside a wall."""
         p = self.particles
         cell = self.spacing**p.dim
-        return p.volume_all / np.where(p.kind_all == FLUID, p.weight_all * cell, cell)
+        found: Floats = p.volume_all / np.where(p.kind_all == FLUID, p.weight_all * cell, cell)
+        return found
 
     def fresh(self, *names: str) -> None:
         """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective.
@@ -163,7 +154,7 @@ class Flow:
         p = self.particles
         if self.viscous:
             return np.zeros_like(p.u)
-        shear = self.walls.shear(self)
+        shear: Floats = -self.walls.elements.of_particles(self.walls.elements.turn, p)
         turn = 2.0 * self.turn(time) - self.swirl(time)[:p.n_owned]
         if np.any(turn):    # numpy is slow along a short last axis
             shear[:, 0] += turn * p.normal[:, 1]
@@ -189,7 +180,3 @@ class Flow:
         if distance not in known:
             known[distance] = pairs.close_pairs(self.cloud, distance * self.spacing)
         return known[distance]
-
-    def density_ratio(self, least: int) -> None:
-        """Write the field alpha of owned fluid, with walls whose `closing` is at least so much. Not collective."""
-        self.walls.density_ratio(self.particles.alpha, self, least)

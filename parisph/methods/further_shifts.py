@@ -54,21 +54,13 @@ class TensileShift(Shift):
     fields = ("grad_alpha",)
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        tensile_gradient(flow)
+        shifts.tensile_gradient(flow.particles.grad_alpha, *_seen(flow), lengths.DENSITY * flow.spacing, flow.full)
+        flow.stale.add("grad_alpha")
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         h = lengths.DENSITY * flow.spacing
         shifting.fick_shift(move, flow.cloud, flow.particles.grad_alpha_all, self.strength(flow) * h * h,
                             CAP * flow.spacing, NEAR_SURFACE * flow.spacing)
-
-
-def tensile_gradient(flow: "Flow") -> None:
-    """Write the field grad_alpha, with the term against pairs of particles, and name it in flow.stale.
-
-    Not collective.
-    """
-    shifts.tensile_gradient(flow.particles.grad_alpha, *_seen(flow), lengths.DENSITY * flow.spacing, flow.full)
-    flow.stale.add("grad_alpha")
 
 
 def _seen(flow):
@@ -94,14 +86,10 @@ class XuShift(Shift):
         shifts.xu_shift(move, *_seen(flow), most, lengths.MLS * flow.spacing, CAP * flow.spacing)
 
 
-class LindShift(Shift):
+class LindShift(TensileShift):
     """Shifts by C h^2 along -grad C with the tensile term; particles of the surface move along it too."""
 
     name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
-    fields = ("grad_alpha",)
-
-    def prepare(self, flow: "Flow", dt: float) -> None:
-        tensile_gradient(flow)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, h = flow.particles, lengths.DENSITY * flow.spacing

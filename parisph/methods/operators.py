@@ -172,8 +172,8 @@ class SfdiWalls(WallRows):
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by: water at rest in a linear
         force stays so, and such that turns with its tank."""
-        if flow.bent_without_strain:
-            _complete_rows(right, rows, cloud, Bending(flow.without_strain, flow.outer_pull))
+        if (bending := flow.bending) is not None:
+            _complete_rows(right, rows, cloud, bending)
 
 
 def _complete_rows(right, rows, cloud, bending):
@@ -233,8 +233,7 @@ class LeastSquares(Gradient):
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
-        if flow.bent_without_strain:
-            bending = Bending(flow.without_strain, flow.outer_pull)
+        if (bending := flow.bending) is not None:
             _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
 
 
@@ -337,8 +336,7 @@ class HarmonicSurface(Gradient):
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
-        if flow.bent_without_strain:
-            bending = Bending(flow.without_strain, flow.outer_pull)
+        if (bending := flow.bending) is not None:
             _bend(out, flow, bending, SURFACE, _form(flow), self.most(flow), NEVER)
 
     def most(self, flow: "Flow") -> float:

@@ -84,7 +84,7 @@ class VoidFilling(PositionProjection):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        flow.density_ratio(wetness.FREE)
+        flow.walls.density_ratio(flow.particles.alpha, flow, wetness.FREE)
         error = voids(flow)
         error[np.abs(p.weight - 1.0) > VOID] = 0.0
         if sums(p.comm, int(np.any(error)))[0]:
@@ -234,7 +234,7 @@ def density_error(flow: "Flow") -> np.ndarray:
     A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
     error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
     """
-    flow.density_ratio(wetness.FREE)
+    flow.walls.density_ratio(flow.particles.alpha, flow, wetness.FREE)
     return compression(flow, flow.particles.alpha, flow.step.doubt, surplus(flow)[0], flow.step.rapid)
 
 

@@ -1,14 +1,14 @@
 """One time step of the projection methods."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.arrays import Array, Floats
+from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.kernels import balance, curvature, movement, record
 from parisph.methods import lengths, potential, regularising, straining, surfaces
@@ -34,7 +34,8 @@ BODIES = 4           # bodies of fluid without a surface, at most, that get one
 AT_WALLS = 2.0
 SHORTENED = 0.5      # of the usual step: one that is shortened more has no mean of its own
 ROUNDING = 1e-3      # spacings within which two particles are equally high
-Equation = tuple[Sequence[Array], Floats, int]    # CSR matrix, right-hand side, and the number of isolated particles
+Matrix = tuple[Ints, Ints, Floats]    # CSR
+Equation = tuple[Matrix, Floats, int]    # the matrix, the right-hand side, and the number of isolated particles
 
 
 class Projection:
@@ -50,10 +51,8 @@ class Projection:
 
     Attributes
     ----------
-    accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
-        with an adaptive step
-    mean_strain : sqrt(2 S:S) of fluid in the last step, in the mean on all ranks [1/s]; 0 before the first, and in a
-        method that measures no strain
+    accelerations : in an adaptive step, of fluid on all ranks [m/s^2]: the largest, and the root of the mean square
+    mean_strain : sqrt(2 S:S) of fluid in the last step, on all ranks [1/s], 0 where no part needs it
     last_waves : the largest of it in the last waves
     """
 
@@ -76,9 +75,8 @@ class Projection:
 
         usual : the step [s] that would be taken if none were shortened to meet a time; default dt
         """
-        flow, timers = self.flow, self.flow.timers
-        middle = time + 0.5 * dt
-        flow.budget.begin(flow.particles)
+        flow, p, timers, middle = self.flow, self.flow.particles, self.flow.timers, time + 0.5 * dt
+        flow.budget.begin(p)
         with timers("predict"):
             self._predict(time, dt)
         with timers("redistribute"):
@@ -86,9 +84,12 @@ class Projection:
         with timers("surface"):
             self._look(middle, dt, dt if usual is None else usual)
         with timers("assemble"):
-            equation = self._assemble(dt)
+            matrix, right, isolated = self._assemble(dt)
         with timers("solve"):
-            solve = self._solve(middle, equation, renumbered)
+            guesses = self.guesses.at(p, middle)
+            self.guesses.remember(p, middle)
+            p.p[:], solve = self.solver.solve(*matrix, right, guesses, renumbered=renumbered)
+            flow.domain.update("p")
         with timers("correct"):
             self._correct(time, dt)
         if self.parts.position_regularisers:
@@ -98,7 +99,7 @@ class Projection:
                 regularising.change(flow, self.parts.position_regularisers, dt)
         with timers("record"):
             flow.fresh("u", "p")
-            return self._report(dt, solve, equation[-1])
+            return self._report(dt, solve, isolated)
 
     def start(self, time: float) -> int:
         """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles.
@@ -110,8 +111,7 @@ class Projection:
         of the second term comes from the strain source and half from div u* at positions half a step
         later. Here nothing moves, and neither a time step nor its weights matter.
         """
-        flow = self.flow
-        p = flow.particles
+        flow, p = self.flow, self.flow.particles
         flow.walls.move(flow, time, time, time)
         flow.domain.refresh()
         self._look(time)
@@ -122,13 +122,12 @@ class Projection:
         self.guesses.restart(time)
         return isolated
 
-    def acceleration(self, time: float) -> np.ndarray:
+    def acceleration(self, time: float) -> Floats:
         """Return g - grad p/rho [m/s^2] of owned particles with their current pressure, 0 for walls. Collective.
 
         No particle changes, not even the role of one with too few neighbours.
         """
-        flow = self.flow
-        p = flow.particles
+        flow, p = self.flow, self.flow.particles
         flow.walls.move(flow, time, time, time)
         flow.domain.refresh()
         flow.domain.update("p")
@@ -148,7 +147,7 @@ class Projection:
         gone after one of any length, and as a pressure grows as 1/dt.
         """
         p, step = self.flow.particles, self.flow.step
-        share = step.dt / max(step.usual, np.finfo(float).tiny)
+        share = step.dt / max(step.usual, float(np.finfo(float).tiny))
         acted = p.p.copy()
         if 0.0 < share < SHORTENED:
             p.p[:] = p.p_before + share * (p.p - p.p_before)
@@ -188,7 +187,7 @@ class Projection:
                 "pressure_times": self.guesses.times,
                 "acceleration_times": self.earlier_accelerations.times}
 
-    def resume(self, state: dict) -> None:
+    def resume(self, state: dict[str, Any]) -> None:
         """Continue from the state in a checkpoint. Not collective."""
         self.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
@@ -208,7 +207,7 @@ class Projection:
 
     # -- the parts of the step, in order ---------------------------------------------------
 
-    def _predict(self, time, dt):
+    def _predict(self, time: float, dt: float) -> None:
         """Move to the positions at which operators are evaluated, walls to where they are then."""
         p = self.flow.particles
         p.x0[:] = p.x
@@ -228,10 +227,7 @@ class Projection:
         self._find_potential()
 
     def _sum_forces(self, time: float, dt: float = 0.0, usual: float = 0.0) -> None:
-        """Begin a StepState with the forces at a time [s], in the middle of a step of dt [s]; 0 for an instant.
-
-        usual : see `step`
-        """
+        """Begin a StepState with the forces at a time [s], in the middle of a step of dt [s]. usual : see `step`"""
         flow, comm = self.flow, self.flow.particles.comm
         flow.step = step = StepState(flow.particles, time, dt, usual)
         for force in self.parts.forces:
@@ -239,7 +235,7 @@ class Projection:
         if not flow.bends:
             step.varies = step.uneven if comm.size == 1 else comm.allreduce(step.uneven, op=MPI.LOR)
 
-    def _wall_velocity(self, later=0.0):
+    def _wall_velocity(self, later: float = 0.0) -> None:
         """Write the velocity of walls, a time [s] after the start of the step.
 
         Their shear is that of the first call in a step: until `_move`, places, normals and turns stay.
@@ -248,7 +244,7 @@ class Projection:
             self._shear = self.flow.wall_shear(self.flow.step.time)
         write_wall_velocity(self.flow, self._shear, later)
 
-    def _find_potential(self):
+    def _find_potential(self) -> None:
         """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
         flow = self.flow
         needed = any(part.needs_potential for part in self.parts.velocity_regularisers) and not flow.viscous
@@ -281,7 +277,7 @@ class Projection:
             self.rows.add_surface_values(right, p.surface_pressure_all)
         return matrix, right, isolated
 
-    def _find_laplacian(self):
+    def _find_laplacian(self) -> None:
         """Write the Laplacian of the pressure, for parts that need it. Collective.
 
         rho (div F - tr(G^2)) with the force F and the velocity gradient G at inner particles, and at walls and the
@@ -305,7 +301,7 @@ class Projection:
         if fit is not None:
             p.laplacian -= flow.density * (fit.square - 2.0 * potential.turning_rate(flow)**2)
 
-    def _balance_walls(self, right, moved):
+    def _balance_walls(self, right: Floats, moved: Floats | None) -> None:
         """Make wall rows that are no normal derivative exact for water that moves with the wall.
 
         Across the wall its pressure has the slope that other rows have, on a wall that turns too.
@@ -318,7 +314,7 @@ class Projection:
             pull = pull - wall - (moved - np.einsum("ia,ia->i", p.normal, wall))[:, None] * p.normal
         balance.add_linear_part_at_walls(right, self.rows.rows, self.rows.cloud, pull, self.flow.density)
 
-    def _matrix(self):
+    def _matrix(self) -> tuple[Matrix, int]:
         """Return the CSR matrix, and the number of rows without a link to a free surface. Collective.
 
         The level of their pressure is arbitrary. If water has closed its last gap of air below a lid, no
@@ -339,32 +335,23 @@ class Projection:
             p.role[top] = SURFACE
             self.rows.pin(top)
             d.update("role")
-            matrix = None    # so that there are not two
+            del matrix    # so that there are not two
             matrix, alone, left = self._anchored()
         if left:
             p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)
             d.update("role")
-            matrix = None
+            del matrix
             matrix = self.rows.csr(d.global_rows)[:3]
         return matrix, count
 
-    def _anchored(self):
+    def _anchored(self) -> tuple[Matrix, Flags, int]:
         """Compress the rows to CSR; return it, its rows without a link to p = 0, and their number on all ranks.
 
         Collective.
         """
         p = self.flow.particles
-        *matrix, anchored = self.rows.csr(self.flow.domain.global_rows)
-        return matrix, *groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
-
-    def _solve(self, middle: float, equation: Equation, renumbered: bool) -> SolveRecord:
-        """Solve for the pressure in the middle of the step [s]. Collective."""
-        p, (matrix, right, _) = self.flow.particles, equation
-        guesses = self.guesses.at(p, middle)
-        self.guesses.remember(p, middle)
-        p.p[:], solve = self.solver.solve(*matrix, right, guesses, renumbered=renumbered)
-        self.flow.domain.update("p")
-        return solve
+        indptr, indices, values, anchored = self.rows.csr(self.flow.domain.global_rows)
+        return (indptr, indices, values), *groups.isolated_rows(p.comm, p.offset, indptr, indices, anchored)
 
     def _correct(self, time: float, dt: float) -> None:
         """Correct the velocity by the pressure, regularise it, and move with it. Collective."""
@@ -381,7 +368,7 @@ class Projection:
         self._move(start, time, dt)
         budget.mark(p, "pressure")
 
-    def _correct_velocity(self, dt):
+    def _correct_velocity(self, dt: float) -> None:
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
         flow, step = self.flow, self.flow.step
         p, grad = flow.particles, self.gradient_of_pressure()
@@ -398,7 +385,7 @@ class Projection:
         if flow.numerics.time_step is None:
             self.accelerations = _of_all(p.comm, *record.fluid_sizes(acceleration, p.kind))
 
-    def _regularise_velocity(self, dt):
+    def _regularise_velocity(self, dt: float) -> None:
         """Regularise the velocity, and measure the strain of the step if any part needs it, with the same message."""
         flow, regularisers, strains = self.flow, self.parts.velocity_regularisers, self.parts.measures_strain
         flow.fresh("role", "u")
@@ -409,7 +396,7 @@ class Projection:
             straining.finish(flow, dt)
         regularising.change(flow, regularisers, dt)
 
-    def _window(self, acceleration):
+    def _window(self, acceleration: float) -> float:
         """Return the time [s] over which probes average the pressure around a step. Collective.
 
         A step of usual length has a mean of its own, one that is shortened to meet a time may share it.
@@ -422,8 +409,8 @@ class Projection:
                                     flow.walls.acceleration(flow)) if mean else 0.0
         return max(AT_WALLS * time, SHORTENED * flow.step.usual)
 
-    def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None,
-                          laplacian: np.ndarray | None = None) -> np.ndarray:
+    def pressure_gradient(self, f: Floats, slope: Floats | None = None,
+                          laplacian: Floats | None = None) -> Floats:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
 
         slope : (n_all, dim), what the gradient is across walls; laplacian : (n_owned,) of f; default 0
@@ -436,7 +423,7 @@ class Projection:
         self.flow.stale.add("role")
         return out
 
-    def gradient_of_pressure(self) -> np.ndarray:
+    def gradient_of_pressure(self) -> Floats:
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
         bent = flow.particles.laplacian if flow.bent else None
@@ -445,7 +432,7 @@ class Projection:
         self.parts.surface_gradient.complete(out, flow)
         return out
 
-    def _note_what_is_left(self, dt):
+    def _note_what_is_left(self, dt: float) -> None:
         """Write the divergence of the new velocity where the operators of the step were, with that of walls beside it.
 
         With that which walls had a step earlier, water beside a wall that moves would seem to gain or lose volume in
@@ -458,7 +445,7 @@ class Projection:
         flow.domain.update("u")
         self.rows.divergence(flow.particles.left, flow.particles.u_all)
 
-    def _move(self, start, time, dt):
+    def _move(self, start: Floats, time: float, dt: float) -> None:
         """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""
         p = self.flow.particles
         u = p.u if self.stepping.new else keep_in_tank(self.flow, 0.5 * (start + p.u), dt)
@@ -466,13 +453,11 @@ class Projection:
         self.flow.walls.move(self.flow, time + dt, time, time + dt)
         self.flow.stale.add("x")
 
-    def _report(self, dt, solve, isolated):
+    def _report(self, dt: float, solve: SolveRecord, isolated: int) -> ProjectionReport:
         flow = self.flow
         p, step = flow.particles, flow.step
-        if flow.returned:    # it is known
-            div = p.left
-        else:
-            div = np.empty(p.n_owned)
+        div = p.left if flow.returned else np.empty(p.n_owned)
+        if not flow.returned:    # else it is known
             self.rows.divergence(div, p.u_all)
         sums = np.array([*record.step_sums(div, p.role, p.kind, step.by_pressure, step.strained), step.collisions])
         if p.comm.size > 1:
@@ -484,15 +469,14 @@ class Projection:
         straining.remember(flow, acceleration, dt)
         self.pressure_window = self._window(acceleration)
         second = step.position_solve
-        again = {} if second is None else {"position_iterations": second.iterations,
+        again: dict[str, Any] = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}
-        return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations,
-                                solve.residual, solve.reason,
-                                solve.fallback, solve.rebuilt, solve.setup_seconds, solve.solve_seconds,
+        return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations, solve.residual,
+                                solve.reason, solve.fallback, solve.rebuilt, solve.setup_seconds, solve.solve_seconds,
                                 float(np.sqrt(squares / max(count, 1.0))) * dt, isolated, int(collisions), **again)
 
 
-def _of_all(comm, largest, squares, count):
+def _of_all(comm: MPI.Comm, largest: float, squares: float, count: float) -> tuple[float, float]:
     """Return the largest of some sizes on all ranks, and the root of their mean square. Collective.
 
     largest, squares, count : of this rank's: the largest, the sum of their squares, and their number

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.kernels import movement, shifting
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
@@ -48,7 +49,7 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
         flow.budget.mark(p, part.cause)
 
 
-def cap_together(moves: Mapping[str, np.ndarray], free: Sequence[str], cap: float) -> None:
+def cap_together(moves: Mapping[str, Floats], free: Sequence[str], cap: float) -> None:
     """Shorten moves (n, dim) [m] that together lead farther than the cap [m], and than the longest of the `free` ones.
 
     Several parts that mend the same close pair would otherwise throw it apart. Not collective.

@@ -19,43 +19,30 @@ class StepState:
     """What one step finds, made anew when its forces are summed. Each stage writes its own part.
 
     particles : where they are then
-    time : at which the operators of the step act [s]; dt : its length [s], 0 for a look at an instant
-    usual : its length if it were not shortened to meet a time [s]
-
-    Attributes
-    ----------
-    Forces: force (n_all, dim) [m/s^2]; body_force, the part of it by gravity and the inertia of the tank, not to be
-    changed afterwards; absorbed (n_owned, dim), the part by zones that absorb; varies, whether the body force differs
-    from place to place, the same on all ranks.
-
-    Surface: potential, that of the velocity at the start of the step; None if no part needs it.
-
-    Correction: by_pressure (n_owned,), size of the acceleration by pressure alone [m/s^2].
-
-    Strain (methods.straining), 0 if no part needs it: strained, rapid, doubt (n_owned,); whole; beyond_fit (n_owned,
-    dim) [m/s] of kernels.strain.velocity_gradient, None if no part needs it.
-
-    Regularisers: collisions, the number of pairs of owned particles that have collided; position_solve, the record of
-    the position projection's solve, None without one.
     """
 
     particles: InitVar[Particles]
-    time: float = 0.0
-    dt: float = 0.0
-    usual: float = 0.0
-    force: Floats = field(init=False)
-    body_force: Floats = field(init=False)
-    absorbed: Floats = field(init=False)
-    varies: bool = False
-    potential: Potential | None = None
-    by_pressure: Floats = field(init=False)
-    strained: Floats = field(init=False)
+    time: float = 0.0    # at which the operators act [s]
+    dt: float = 0.0    # length of the step [s], 0 for a look at an instant
+    usual: float = 0.0    # its length if it were not shortened to meet a time [s]
+    # forces
+    force: Floats = field(init=False)    # (n_all, dim) [m/s^2]
+    body_force: Floats = field(init=False)    # the part of it by gravity and the inertia of the tank, not to be changed
+    absorbed: Floats = field(init=False)    # (n_owned, dim) the part by zones that absorb
+    varies: bool = False    # whether the body force differs from place to place, the same on all ranks
+    # surface
+    potential: Potential | None = None    # of the velocity at the start of the step, if a part needs it
+    # correction
+    by_pressure: Floats = field(init=False)    # (n_owned,) size of the acceleration by pressure alone [m/s^2]
+    # strain (methods.straining), 0 if no part needs it
+    strained: Floats = field(init=False)    # (n_owned,), also the next two
     rapid: Floats = field(init=False)
     doubt: Floats = field(init=False)
     whole: float = 1.0
-    beyond_fit: Floats | None = None
-    collisions: int = 0
-    position_solve: "SolveRecord | None" = None
+    beyond_fit: Floats | None = None    # (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if a part needs it
+    # regularisers
+    collisions: int = 0    # pairs of owned particles that have collided
+    position_solve: "SolveRecord | None" = None    # of the position projection
 
     def __post_init__(self, particles: Particles) -> None:
         self.force, self.body_force = np.zeros((2, *particles.x_all.shape))
@@ -71,12 +58,8 @@ class StepState:
 
 @dataclass(slots=True)
 class Preparation:
-    """What regularisers find for each other from one state of the particles, made anew by `regularising.prepare`.
+    """What regularisers find for each other from one state of the particles, made anew by `regularising.prepare`."""
 
-    pairs : {distance [spacings]: Flow.close_pairs}; surplus : positions.surplus, None before it is known
-    top_speed : of fluid, on all ranks [m/s], where a part has found it
-    """
-
-    pairs: dict[float, Cloud] = field(default_factory=dict)
-    surplus: tuple[Floats, Floats] | None = None
-    top_speed: float = 0.0
+    pairs: dict[float, Cloud] = field(default_factory=dict)    # {distance [spacings]: Flow.close_pairs}
+    surplus: tuple[Floats, Floats] | None = None    # positions.surplus, once it is known
+    top_speed: float = 0.0    # of fluid, on all ranks [m/s], where a part has found it

@@ -77,13 +77,8 @@ class WallGuard(Limiter):
         return numerics.wall_guard > 0.0
 
     def apply(self, flow: "Flow", dt: float) -> None:
-        guard(flow, flow.particles.u_all, dt)
+        flow.walls.guard(flow.particles.u_all, flow, dt)
         flow.stale.add("u")
-
-
-def guard(flow: "Flow", u: np.ndarray, dt: float) -> None:
-    """Limit velocities u (n_all, dim) of owned fluid, so that a step of dt [s] ends before a wall. Not collective."""
-    flow.walls.guard(u, flow, dt)
 
 
 def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
@@ -97,7 +92,7 @@ def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
         return u
     both = p.u_all.copy()    # walls keep theirs
     movement.give_to_fluid(both, u, p.kind)
-    guard(flow, both, dt)
+    flow.walls.guard(both, flow, dt)
     return both[:p.n_owned]
 
 
