@@ -38,7 +38,10 @@ def main(words: Sequence[str] | None = None) -> int:
                 if own:
                     stack.pop_all()    # they stay in force until the interpreter ends,
                     atexit.register(signals.ignore)    # which would die of one more, with another exit code
-                    gc.disable()    # nearly all that a start makes stays; the first step enables it again
+                    # Nearly all that a start makes stays: no search for garbage before the end of the first step, which
+                    # knows by the frozen objects that it is to enable the search.
+                    gc.freeze()
+                    gc.disable()
             from parisph import cli
 
             code = cli.execute(words)

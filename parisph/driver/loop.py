@@ -191,7 +191,8 @@ class _Run:
                 self._pause()
                 while not self.simulation.finished():
                     self._step()
-                    if not gc.isenabled():    # since the start: now the kernels of a step are loaded, too
+                    # disabled by the command line; a script that has disabled it keeps it so
+                    if not gc.isenabled() and gc.get_freeze_count():
                         gc.freeze()
                         gc.enable()
                 self._save()

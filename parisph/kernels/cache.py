@@ -12,7 +12,7 @@ from parisph.base.environment import cache_folder
 from parisph.base.paths import AnyPath
 
 # Files besides those of this folder with constants or functions that kernels of other files contain.
-ELSEWHERE = "base/fields.py", "parallel/hilbert.py", "parallel/partition.py"
+ELSEWHERE = "base/fields.py", "base/probe_rows.py", "parallel/hilbert.py", "parallel/partition.py"
 # Files of this folder on which compiled code does not depend.
 WITHOUT_CODE = "cache.py", "compiling.py", "kept.py"
 

@@ -5,10 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
+from parisph.base.probe_rows import BODY, HEIGHT, TOP
 from parisph.kernels.jit import inlined, kernel
-
-# what a row is: a surface particle (x, y), a body (lower end, upper end, particles), or the top of a body (y)
-HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
 
 
 class Column(NamedTuple):

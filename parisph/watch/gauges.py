@@ -3,10 +3,9 @@
 import numpy as np
 
 from parisph.base.arrays import Floats
+from parisph.base.probe_rows import BODY, TOP
 from parisph.case.probes import WIDTH
 from parisph.watch.sampling import View
-
-HEIGHT, BODY, TOP = 0.0, 1.0, 2.0    # what a row is, as in kernels.water_columns, which only a run imports
 
 # Lengths in spacings.
 COLUMN = 1.5        # half the width of the column of water at a gauge

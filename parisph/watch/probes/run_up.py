@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import SURFACE
+from parisph.base.probe_rows import BODY, HEIGHT
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import motion_of
@@ -19,7 +20,7 @@ from parisph.case.scenery import body_names
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places, on_side
-from parisph.watch.gauges import BODY, COLUMN_GAP, HEIGHT, bodies, bodies_of_all, body_rows
+from parisph.watch.gauges import COLUMN_GAP, bodies, bodies_of_all, body_rows
 from parisph.watch.probes.surface_gauge import surface, surface_rows
 from parisph.watch.sampling import Scene, View
 

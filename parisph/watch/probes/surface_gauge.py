@@ -6,9 +6,10 @@ from typing import Any, Literal, Union
 from pydantic import Field
 
 from parisph.base.arrays import Floats
+from parisph.base.probe_rows import HEIGHT
 from parisph.case.probes import Gauge
 from parisph.case.truths import Peaks, Truth, WaveTruth
-from parisph.watch.gauges import COLUMN, GAUGE_GAP, HEIGHT, column_rows, top
+from parisph.watch.gauges import COLUMN, GAUGE_GAP, column_rows, top
 from parisph.watch.sampling import View
 
 NODES = 4.0     # spacings within which surface particles may serve a gauge
