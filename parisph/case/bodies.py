@@ -157,7 +157,7 @@ class Piston(Model):
         return self
 
     @property
-    def moved(self) -> Motion:
+    def moved(self) -> AnyMotion:
         """Its motion."""
         if self.motion is not None:
             return self.motion
@@ -206,7 +206,7 @@ class Flap(Model):
         return self
 
     @property
-    def moved(self) -> Motion:
+    def moved(self) -> AnyMotion:
         """Its motion."""
         if self.motion is not None:
             return self.motion

@@ -16,7 +16,7 @@ from parisph.case.friction import Friction
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, Roll, Series, Sway, Tabulated
-from parisph.case.numerics import Numerics, Output
+from parisph.case.numerics import Numerics, Output, ResolvedNumerics
 from parisph.case.origin import Origin
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import ProbeArray
@@ -93,7 +93,7 @@ class Case(Scene):
             raise ValueError(first_lines(found))
         return self
 
-    def complete_numerics(self) -> Numerics:
+    def complete_numerics(self) -> ResolvedNumerics:
         """Return the numerics in which every value is set; a closed case has no free surface."""
         numerics = self.numerics
         if not self.closed:
@@ -103,7 +103,7 @@ class Case(Scene):
                if getattr(numerics, name) is None and (name == "surface_rule" or name not in method)}
         return numerics.resolved().model_copy(update=own)
 
-    def resolved(self, numerics: Numerics) -> "Case":
+    def resolved(self, numerics: ResolvedNumerics) -> "Case":
         """Return the case with the resolved `numerics`; `asked` keeps those given by the user."""
         return self.model_copy(update={"numerics": numerics, "asked": self.asked or self.numerics})
 

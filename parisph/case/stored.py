@@ -95,7 +95,7 @@ def _check_asked(used: Numerics, asked: Numerics) -> None:
 def _with_asked(case: Case) -> Case:
     """Return a case from before `asked` was stored with it: values of the preset were not given by the user."""
     numerics = case.numerics
-    if numerics.resolved() != numerics:
+    if numerics.resolved().model_dump() != numerics.model_dump():
         return case    # not resolved: these are the values that the user gave
     preset = preset_values(numerics.preset, case.closed)
     same = [name for name, value in preset.items() if getattr(numerics, name) == value]

@@ -8,7 +8,7 @@ from parisph.base import memory, vocabulary
 from parisph.case import scales, size
 from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
-from parisph.case.numerics import WORDS, Numerics
+from parisph.case.numerics import WORDS, ResolvedNumerics
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.case.waves import Jonswap, SolitaryWave
@@ -99,7 +99,7 @@ def _text(name: str, value: Any) -> str:
     return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
-def _steps(case: Case, n: Numerics, steps: int) -> str:
+def _steps(case: Case, n: ResolvedNumerics, steps: int) -> str:
     if n.time_step is not None:
         shorter = stable_step(case) < n.time_step
         step = min(n.time_step, stable_step(case))

@@ -13,7 +13,7 @@ from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.case.schema import Case
 from parisph.case.time_scales import flow_length, sound_speed, wave_time
 from parisph.driver import memory_check, solid_walls, wall_penetration, warmup
@@ -344,7 +344,7 @@ def _largest(force: Floats) -> float:
     return float(size.max(initial=0.0, where=np.isfinite(size)))
 
 
-def _step_of_top_speed(case: Case, numerics: Numerics) -> float:
+def _step_of_top_speed(case: Case, numerics: ResolvedNumerics) -> float:
     """Return the step [s] in which the fastest fluid that is expected moves as far as it may, or falls so from rest.
     """
     speed, rest = scales.top_speed(case), rest_step(numerics)
@@ -379,7 +379,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.physics)
+    parts: Parts | CompressibleParts = parts_of(case.complete_numerics(), case.physics)
     error = None
     try:
         parts.check(case.dim)

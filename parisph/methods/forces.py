@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.fields import ABSENT, FLUID, WALL
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetness
 from parisph.kernels.records import Walls
 from parisph.methods import lengths, straining
@@ -63,7 +63,7 @@ class Viscous(Force):
     fields = "no_slip", "wall_u", "nu", "viscous"
     open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # beside them, with a free surface
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         open_ones = self.open_fields if SURFACES[numerics.surface_rule].open else ()
         return (*self.fields, *open_ones, *(straining.FIELDS if numerics.smagorinsky else ()))
 

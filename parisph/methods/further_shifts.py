@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import shifting, shifts, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
@@ -27,10 +27,10 @@ class Shift(Regulariser):
     cause, moves = "shift", True
     reads = ("shift", "shift_strain")
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
@@ -106,7 +106,7 @@ class PressureShift(Shift):
     name, source, words = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure"
     reach, reads = lengths.MLS, ("shift",)
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return self.fields
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 import numpy as np
 
 from parisph.base import vocabulary
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels.near import Form
 from parisph.kernels.records import Cloud, Flux, Rows
 
@@ -37,11 +37,11 @@ class Part(ABC):
     fields: ClassVar[tuple[str, ...]] = ()
     dims: ClassVar[tuple[int, ...]] = (2, 3)
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         """Return whether the numbers of a case switch it on."""
         return True
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         """Return the names of the fields it needs with the numbers of a case."""
         return self.fields
 
@@ -153,7 +153,7 @@ class Surface(Part):
 class Source(Part):
     """The right-hand side of the pressure equation."""
 
-    def words(self, numerics: Numerics) -> str:
+    def words(self, numerics: ResolvedNumerics) -> str:
         """Return what `parisph check` says of it with the numbers of a case, or nothing."""
         return ""
 

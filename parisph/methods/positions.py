@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import halves, movement, pairs, shifting, strain, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
@@ -47,10 +47,10 @@ class PositionProjection(Regulariser):
     fields = (*straining.FIELDS, "alpha", "lack", "hollow", "phi")
     reads = ("kappa", "kappa_strain")
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.kappa > 0.0
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return (*self.fields, *_share_of(numerics))
 
     def prepare(self, flow: "Flow", dt: float) -> None:
@@ -133,7 +133,7 @@ class Parting(Regulariser):
     reads = ("shift",)
     moves, strain, free = True, False, True
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.shift > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
@@ -154,10 +154,10 @@ class FickShift(Regulariser):
     reads = ("shift", "shift_strain")
     fields = ("grad_alpha", "turn")
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
         return (*self.fields, *strain)
 
@@ -191,7 +191,7 @@ class KeepApart(Limiter):
     name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
     reads = ("shift",)
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.shift > 0.0
 
     def apply(self, flow: "Flow", dt: float) -> None:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import movement
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.potential_fit import Potential, fit_potential
@@ -57,7 +57,7 @@ class Irrotational(Regulariser):
     fields, reads = straining.FIELDS, ("filter",)
     needs_potential = True
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.filter > 0.0
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:

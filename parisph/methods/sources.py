@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import mixed_source
 from parisph.methods.parts import SOURCES, Source
 from parisph.methods.positions import compression
@@ -28,13 +28,13 @@ class Mixed(Source):
 
     name, source = "mixed", "Z14 Eqs 17-19"
 
-    def words(self, numerics: Numerics) -> str:
+    def words(self, numerics: ResolvedNumerics) -> str:
         said = ["strain source"] if numerics.strain > 0.0 else []
         if numerics.volume_time > 0.0:
             said.append("volume given back")
         return ", ".join(said)
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         weights = {"alpha": numerics.gamma, "expansion": numerics.volume_time, "left": numerics.volume_time}
         return tuple(name for name, weight in weights.items() if weight > 0.0)
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import even_spacing, shifting
 from parisph.methods import lengths, straining
 from parisph.methods.further_shifts import Shift
@@ -21,7 +21,7 @@ class EvenShift(Shift):
     name, words, carries = "shift_even", "even distances", True
     reach, fields = lengths.WALL, ("acceleration",)
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return (*self.fields, *straining.FIELDS)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from parisph.base.arrays import sizes
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import record
 from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
@@ -83,7 +83,7 @@ def next_step(flow: Flow, gravity: float, previous: float | None = None, shortes
     return float(dt)
 
 
-def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceleration: np.ndarray, dt: float,
+def first_step(comm: MPI.Comm, particles: Particles, numerics: ResolvedNumerics, acceleration: np.ndarray, dt: float,
                force_at: Callable[[float], float], length: float | None = None) -> float:
     """Return the first step of an adaptive run: `dt` [s], shortened. Collective.
 
@@ -141,12 +141,12 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
 
-def rest_step(numerics: Numerics) -> float:
+def rest_step(numerics: ResolvedNumerics) -> float:
     """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
     return float(_fall(longest_move(numerics), REST))
 
 
-def longest_move(numerics: Numerics) -> float:
+def longest_move(numerics: ResolvedNumerics) -> float:
     """Return how far the fastest particle may move in an adaptive step [m]."""
     return numerics.cfl * numerics.spacing
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import collisions, films, movement
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
@@ -20,10 +20,10 @@ class Filter(Regulariser):
     reads = ("filter", "filter_strain")
     needs_fit = True
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.filter > 0.0
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return straining.FIELDS if numerics.filter_strain else ()
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
@@ -36,7 +36,7 @@ class Film(Regulariser):
 
     name, cause, words, strain, reach = "film", "film", "films of one layer", False, lengths.MLS
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.surface_rule != "none"    # a full tank has no film
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
@@ -52,7 +52,7 @@ class Collisions(Regulariser):
     name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
     reads = ("collision_distance", "restitution")
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.collision_distance > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
@@ -73,7 +73,7 @@ class WallGuard(Limiter):
 
     name, cause, words = "wall_guard", "guard", "wall guard"
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.wall_guard > 0.0
 
     def apply(self, flow: "Flow", dt: float) -> None:

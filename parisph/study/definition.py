@@ -1,12 +1,12 @@
 """The description of a study: which runs of a case, what is measured in them, and what is required."""
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Optional
+from typing import Annotated, Any, Optional, TypeVar
 
 from pydantic import Field, field_validator, model_validator
 
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.study.measures import AnyMeasure, is_error, name_of
 
 # Parameters with a field of their own.
@@ -18,6 +18,7 @@ COLUMNS = (
 Positive = Annotated[float, Field(gt=0)]
 Whole = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1, le=10_000)]
+_T = TypeVar("_T")
 
 
 class Choices(Model):
@@ -33,13 +34,13 @@ class Choices(Model):
     ranks : numbers of MPI ranks
     """
 
-    methods: tuple[str, ...] = ()
-    spacings: tuple[Positive, ...] = Field(default=(), description="spacings, each greater than 0")
-    time_steps: tuple[Optional[Positive], ...] = Field(
+    methods: Several[str] = ()
+    spacings: Several[Positive] = Field(default=(), description="spacings, each greater than 0")
+    time_steps: Several[Optional[Positive]] = Field(
         default=(), description="time steps, each greater than 0, or None to adapt it")
     parameters: dict[str, Any] = Field(default_factory=dict, description="parameters of the case by name")
-    seeds: tuple[Whole, ...] = Field(default=(), description="seeds, each a whole number of at least 0")
-    ranks: tuple[Count, ...] = Field(default=(), description="numbers of ranks, each at least 1")
+    seeds: Several[Whole] = Field(default=(), description="seeds, each a whole number of at least 0")
+    ranks: Several[Count] = Field(default=(), description="numbers of ranks, each at least 1")
 
     @field_validator("methods", "spacings", "time_steps", "seeds", "ranks", mode="before")
     @classmethod
@@ -135,14 +136,14 @@ class Study(Choices):
 
     case: str = Field(kw_only=True, min_length=1, description="path of the case file, relative to the study file")
     title: str = Field(default="", max_length=200, description="one line for people")
-    variants: tuple[Variant, ...] = ()
-    errors: tuple[AnyMeasure, ...] = ()
-    required: tuple[Required, ...] = ()
-    others: tuple[OtherCodes, ...] = ()
-    levels: dict[str, tuple[Positive, ...]] = Field(
+    variants: Several[Variant] = ()
+    errors: Several[AnyMeasure] = ()
+    required: Several[Required] = ()
+    others: Several[OtherCodes] = ()
+    levels: dict[str, Several[Positive]] = Field(
         default_factory=dict,
         description="errors at which costs are compared, each greater than 0, by the name of a measure")
-    histories: tuple[str, ...] = ()
+    histories: Several[str] = ()
     time_limit: Optional[float] = Field(default=None, gt=0, description="longest time of a run on the clock [s]")
     warm_up: bool = True
 
@@ -178,7 +179,7 @@ def listed(values: object) -> object:
     return values
 
 
-def each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
+def each_once(values: tuple[_T, ...]) -> tuple[_T, ...]:
     """Return values for a field. Raises ValueError if one is there twice."""
     for value in values:
         if values.count(value) > 1:

@@ -1,13 +1,13 @@
 """The description of a patch study: which operators are applied to which fields, on which particles."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, TypeVar, Union
 
 from pydantic import Field, field_validator, model_validator
 
 from parisph.base import text, vocabulary
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.patch.analytic import FIELD_OF, AnalyticField
 from parisph.study.definition import each_once, listed
 
@@ -25,7 +25,7 @@ WORDS = {
 Spacing = Annotated[float, Field(gt=0, le=1 / FEWEST_CELLS)]
 Jitter = Annotated[float, Field(ge=0, le=2)]
 Whole = Annotated[int, Field(ge=0)]
-Several = TypeVar("Several", bound=Sequence[Any])
+_T = TypeVar("_T")
 
 
 class Sweep(Model):
@@ -34,8 +34,8 @@ class Sweep(Model):
     spacings : s, of which a whole number fits into 1; jitters : k of a displacement by k s (Rn - 1/2)
     """
 
-    spacings: tuple[Spacing, ...] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
-    jitters: tuple[Jitter, ...] = Field(description="disorders k, each 0 to 2")
+    spacings: Several[Spacing] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
+    jitters: Several[Jitter] = Field(description="disorders k, each 0 to 2")
 
     @field_validator("spacings", "jitters", mode="before")
     @classmethod
@@ -63,7 +63,7 @@ class Histogram(Model):
 
     spacing: Spacing = Field(description="spacing")
     jitter: Jitter = Field(description="disorder k")
-    edges: tuple[Annotated[float, Field(ge=0)], ...] = Field(
+    edges: Several[Annotated[float, Field(ge=0)]] = Field(
         tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
 
     @field_validator("edges")
@@ -111,19 +111,19 @@ class PatchStudy(Model):
     """
 
     kind: Literal["patch"] = Field(default="patch", init=False)
-    fields: tuple[Union[str, AnalyticField], ...] = Field(description="names of fields, or AnalyticField(...)")
-    sweeps: tuple[Sweep, ...] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
-    laplacians: tuple[str, ...] = ()
-    gradients: tuple[str, ...] = ()
-    patches: tuple[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
+    fields: Several[Union[str, AnalyticField]] = Field(description="names of fields, or AnalyticField(...)")
+    sweeps: Several[Sweep] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
+    laplacians: Several[str] = ()
+    gradients: Several[str] = ()
+    patches: Several[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"]] = Field(
         default=("interior",), description="what is measured")
-    seeds: tuple[Whole, ...] = Field(default=(1, 2, 3), description="seeds, each a whole number of at least 0")
+    seeds: Several[Whole] = Field(default=(1, 2, 3), description="seeds, each a whole number of at least 0")
     dim: int = Field(default=2, ge=2, le=3, description="number of dimensions")
     margin: float = Field(default=0.2, ge=0, le=0.4, description="distance of the interior from the sides")
     beyond: bool = True
-    wall_rows: tuple[str, ...] = Field(default=("sfdi",), description="names of wall rows")
-    surface_gradients: tuple[str, ...] = ()
-    histograms: tuple[Histogram, ...] = ()
+    wall_rows: Several[str] = Field(default=("sfdi",), description="names of wall rows")
+    surface_gradients: Several[str] = ()
+    histograms: Several[Histogram] = ()
     title: str = Field(default="", max_length=200, description="one line for people")
 
     @field_validator("fields", "laplacians", "gradients", "patches", "sweeps", "seeds", "wall_rows",
@@ -210,7 +210,7 @@ def cells_of(spacing: float) -> int:
     return cells
 
 
-def _some(values: Several) -> Several:
+def _some(values: tuple[_T, ...]) -> tuple[_T, ...]:
     if not values:
         raise ValueError("must be a list of at least one")
     return values

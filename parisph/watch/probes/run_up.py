@@ -13,6 +13,7 @@ from parisph.base.probe_rows import BODY, HEIGHT
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import motion_of
+from parisph.case.model import Several
 from parisph.case.motion import AtRest, Motion, Rotation
 from parisph.case.probes import WIDTH, Measure, Point, Probe
 from parisph.case.scene import Scene as Described
@@ -64,7 +65,7 @@ class RunUp(Probe):
     kind: Literal["run_up"] = Field(default="run_up", init=False)
     on: str = Field(default="tank", description="name of the body")
     side: Literal["left", "right"] | None = Field(default=None, description="side of the body, or end of the profile")
-    points: Optional[tuple[Point, ...]] = Field(default=None, min_length=2, max_length=10_000,
+    points: Optional[Several[Point]] = Field(default=None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
     film: Optional[float] = Field(default=None, gt=0.0, description="thinnest film that counts [m]")
 
