@@ -379,7 +379,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.complete_numerics(), case.physics)
+    parts = parts_of(case.complete_numerics(), case.physics)
     error = None
     try:
         parts.check(case.dim)

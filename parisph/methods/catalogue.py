@@ -203,7 +203,7 @@ class CompressibleParts:
                             "or choose a projection method")
 
 
-def parts_of(numerics: ResolvedNumerics, physics: Collection[str] = ()) -> Any:
+def parts_of(numerics: ResolvedNumerics, physics: Collection[str] = ()) -> Parts | CompressibleParts:
     """Return the parts of a method: Parts of a projection, or CompressibleParts. Not collective. See Parts.of."""
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)

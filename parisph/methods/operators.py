@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import (
     curvature,
@@ -57,7 +58,7 @@ RAPID_WALL_INFLATION = 2.5
 directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
 
 
-def _circle(cloud, size, radius):
+def _circle(cloud: Cloud, size: float, radius: float) -> Circle:
     """Return the Circle around particles. size, radius : in spacings"""
     return Circle(directions(len(cloud.axes)), size * cloud.spacing, radius * cloud.spacing)
 
@@ -73,7 +74,7 @@ class Rankine(Laplacian):
     normalised = True
     circle = lengths.CIRCLE
 
-    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
         rankine.rankine_rows(rows, flux, cloud, u, _circle(cloud, self.circle, lengths.MLS), self.normalised)
 
 
@@ -86,7 +87,7 @@ class RankinePrinted(Rankine):
 class Sparse(Laplacian):
     """Rows that are given up where neighbours do not suffice: they become the mean of their neighbours."""
 
-    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
         self.laplacian(rows, cloud)
         row.mean_rows(rows, cloud)
 
@@ -157,7 +158,7 @@ class FluxDivergence(Divergence):
 
     name, source, reach = "flux", "Z14 Eq 23, right-hand side", lengths.MLS
 
-    def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+    def fill(self, flux: Flux, cloud: Cloud, u: Floats) -> None:
         fluxes.flux_rows(flux, cloud, u, _circle(cloud, lengths.CIRCLE, lengths.MLS))
 
 
@@ -169,14 +170,14 @@ class SfdiWalls(WallRows):
     def fill(self, rows: Rows, cloud: Cloud) -> None:
         walls.sfdi_rows(rows, cloud, lengths.WALL * cloud.spacing)
 
-    def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
+    def complete(self, right: Floats, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by: water at rest in a linear
         force stays so, and such that turns with its tank."""
         if (bending := flow.bending) is not None:
             _complete_rows(right, rows, cloud, bending)
 
 
-def _complete_rows(right, rows, cloud, bending):
+def _complete_rows(right: Floats, rows: Rows, cloud: Cloud, bending: Bending) -> None:
     for add in (curvature.add_at_walls, curvature.add_at_surface):
         add(right, rows, cloud, bending)
 
@@ -201,7 +202,7 @@ class CurvedWalls(HarmonicWalls):
 
     name, fields = "curved", ("laplacian",)
 
-    def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
+    def complete(self, right: Floats, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         _complete_rows(right, rows, cloud, Bending(flow.particles.laplacian_all, flow.pull))
 
 
@@ -222,16 +223,16 @@ class LeastSquares(Gradient):
     def form(self, spacing: float) -> Form:
         return Form(self.reach * spacing, self.power, self.floor)
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
+    def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
+              laplacian: Floats | None = None) -> None:
         self.fit(out, np.zeros(len(out), np.bool_), f, flow, along)
 
-    def fit(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None) -> None:
+    def fit(self, out: Floats, known: Flags, f: Floats, flow: "Flow", along: Floats | None) -> None:
         """Write the linear fit to out (n_owned, dim) but where it is `known` (n_owned,) bool; others as of `write`."""
         gradient.least_squares_gradient(out, known, flow.cloud, f, self.form(flow.spacing))
         flow.walls.mend_gradient(out, known, f, along, flow, self.form(flow.spacing))
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
         if (bending := flow.bending) is not None:
             _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
@@ -253,15 +254,15 @@ class Cubic(Mixed):
 
     name, source, reach, fields, whole = "cubic", "", lengths.WALL, ("laplacian",), True
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
+    def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
+              laplacian: Floats | None = None) -> None:
         slopes = Slopes(flow.walls.slope(flow, along), flow.walls.known_slopes(flow))
         found = harmonic_gradient.harmonic_gradient(
             out, flow.cloud, f, slopes, np.empty(0) if laplacian is None else laplacian, self.reach * flow.spacing,
             INFLATION)
         self.fit(out, found, f, flow, along)
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         pass    # it knows how the pressure bends
 
 
@@ -289,7 +290,7 @@ class Nodal(Divergence):
 
     name, source, reach = "nodal", "Z17 Eqs 29-32", lengths.MLS
 
-    def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+    def fill(self, flux: Flux, cloud: Cloud, u: Floats) -> None:
         fluxes.least_squares_flux(flux, cloud, u, Form(lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor))
 
 
@@ -298,13 +299,13 @@ class Symmetric(LeastSquares):
 
     name, source, reach = "symmetric", "Z17 Eq 25", 2.0 * lengths.SPH
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
+    def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
+              laplacian: Floats | None = None) -> None:
         s = flow.spacing
         gradient.symmetric_gradient(out, flow.cloud, f, lengths.SPH * s, s ** len(flow.axes))
         flow.walls.mend_gradient(out, np.zeros(len(out), np.bool_), f, along, flow, self.form(s))
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         pass    # it is not even exact for a linear pressure
 
 
@@ -313,8 +314,8 @@ class Same(Gradient):
 
     name = "same"
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
+    def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
+              laplacian: Floats | None = None) -> None:
         pass
 
 
@@ -330,11 +331,11 @@ class HarmonicSurface(Gradient):
 
     name, reach = "harmonic", lengths.WALL
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
+    def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
+              laplacian: Floats | None = None) -> None:
         gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, self.most(flow))
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
         if (bending := flow.bending) is not None:
             _bend(out, flow, bending, SURFACE, _form(flow), self.most(flow), NEVER)
@@ -353,7 +354,7 @@ class CurvedSurface(HarmonicSurface):
 
     name, fields = "curved", ("laplacian",)
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         bending = Bending(flow.particles.laplacian_all, flow.pull)
         _bend(out, flow, bending, SURFACE, _form(flow), INFLATION, self.most(flow))
 
@@ -363,17 +364,17 @@ class Curved(Mixed):
 
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         bending = Bending(flow.particles.laplacian_all, flow.pull)
         _bend(out, flow, bending, INNER, _form(flow), INFLATION, INFLATION)
 
 
-def _form(flow):
+def _form(flow: "Flow") -> Form:
     """Return the form of fits that know how the pressure bends."""
     return Form(lengths.WALL * flow.spacing, LeastSquares.power, LeastSquares.floor)
 
 
-def _bend(out, flow, bending, where, form, most, kept):
+def _bend(out: Floats, flow: "Flow", bending: Bending, where: int, form: Form, most: float, kept: float) -> None:
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`.
 
     form : of the linear fit that `out` is

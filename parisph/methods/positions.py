@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import INNER
 from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import halves, movement, pairs, shifting, strain, wetness
@@ -57,7 +58,7 @@ class PositionProjection(Regulariser):
         n, error = flow.numerics, self.error(flow)
         solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
-    def error(self, flow: "Flow") -> np.ndarray:
+    def error(self, flow: "Flow") -> Floats:
         """Return the density error (n_owned,) that is removed. Collective."""
         if flow.closed or not flow.numerics.kappa_strain:
             return density_error(flow)
@@ -66,7 +67,7 @@ class PositionProjection(Regulariser):
         rapid = 2.0 * flow.step.rapid / (1.0 + flow.step.rapid)
         return rapid * error + (1.0 - rapid) * voids(flow)
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
         move = -flow.pressure_gradient(p.phi_all)
         shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
@@ -90,11 +91,11 @@ class VoidFilling(PositionProjection):
         if sums(p.comm, int(np.any(error)))[0]:
             solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         return np.zeros_like(flow.particles.x) if flow.step.position_solve is None else super().change(flow, dt)
 
 
-def voids(flow: "Flow") -> np.ndarray:
+def voids(flow: "Flow") -> Floats:
     """Return what the mean density error around each inner particle is below -VOID: (n_owned,). Collective.
 
     The mean, because disorder makes the error too large here and too small there. What the disorder of the start leaves
@@ -119,7 +120,7 @@ def voids(flow: "Flow") -> np.ndarray:
     return np.minimum(found - p.hollow, 0.0)
 
 
-def solve(flow: "Flow", error: np.ndarray) -> None:
+def solve(flow: "Flow", error: Floats) -> None:
     """Solve lap phi = -error (n_owned,) with the matrix of the pressure. Collective."""
     p = flow.particles
     p.phi[:], flow.step.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-error), p.phi, slack=SLACK)
@@ -140,7 +141,7 @@ class Parting(Regulariser):
         pairs.count_close(flow.particles.pairs, flow.close_pairs(CLOSE), PART_WITHIN * flow.spacing)
         flow.stale.add("pairs")
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
         move = np.empty_like(p.x)
         pairs.part_pairs(move, flow.close_pairs(CLOSE), p.pairs_all, p.id_all, PART_WITHIN * flow.spacing, PART)
@@ -170,7 +171,7 @@ class FickShift(Regulariser):
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p, n = flow.particles, flow.numerics
         h = lengths.DENSITY * flow.spacing
         move = np.empty_like(p.x)
@@ -208,12 +209,12 @@ class KeepApart(Limiter):
             displace(flow, move)
 
 
-def _share_of(numerics):
+def _share_of(numerics: ResolvedNumerics) -> tuple[str, ...]:
     """Return the field of the walls' shares (methods.surfaces), if there may be walls that fluid comes to later."""
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
-def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
+def surplus(flow: "Flow") -> tuple[Floats, Floats]:
     """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
 
     Computed once in a preparation.
@@ -228,7 +229,7 @@ def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     return found
 
 
-def density_error(flow: "Flow") -> np.ndarray:
+def density_error(flow: "Flow") -> Floats:
     """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
 
     A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
@@ -238,8 +239,8 @@ def density_error(flow: "Flow") -> np.ndarray:
     return compression(flow, flow.particles.alpha, flow.step.doubt, surplus(flow)[0], flow.step.rapid)
 
 
-def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None, more: np.ndarray | None = None,
-                rapid: np.ndarray | None = None) -> np.ndarray:
+def compression(flow: "Flow", alpha: Floats, doubt: Floats | None = None, more: Floats | None = None,
+                rapid: Floats | None = None) -> Floats:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
     In rapid fluid, what a surplus adds is left out: more : (n_owned,), the part of alpha by it.
@@ -252,7 +253,7 @@ def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None
     return e
 
 
-def displace(flow: "Flow", move: np.ndarray) -> None:
+def displace(flow: "Flow", move: Floats) -> None:
     """Displace the owned fluid by move (n_owned, dim) [m], but not into a wall. Not collective."""
     p = flow.particles
     if flow.numerics.wall_guard > 0.0:

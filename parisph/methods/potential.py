@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import movement
 from parisph.kernels.harmonic import Slopes
@@ -60,7 +61,7 @@ class Irrotational(Regulariser):
     def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.filter > 0.0
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         step, fit = flow.step, flow.step.potential
         if fit is None and flow.numerics.filter_strain:
             return np.zeros_like(flow.particles.u)

@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from parisph.base.arrays import Floats
 from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import even_spacing, shifting
 from parisph.methods import lengths, straining
@@ -24,7 +23,7 @@ class EvenShift(Shift):
     def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return (*self.fields, *straining.FIELDS)
 
-    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
+    def write(self, move: Floats, flow: "Flow", dt: float) -> None:
         p = flow.particles
         across = p.acceleration - flow.step.force[:p.n_owned]
         even_spacing.even_out(move, flow.cloud, across, flow.walls.known_slopes(flow), self.strength(flow))

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WET
 from parisph.kernels import gradient, halves, surface, wetness
 from parisph.methods import lengths
@@ -51,7 +52,7 @@ class Closed(Surface):
 
     name, open = "none", False
 
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: Array) -> None:
         p = flow.particles
         p.role[:] = np.where(p.kind == FLUID, INNER, WET)
         flow.walls.leave_out(flow)
@@ -65,10 +66,11 @@ class Frozen(Surface):
 
     name, keeps, fields = "frozen", True, ("closing", "start_role")
 
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
-        p, form = flow.particles, GRADIENTS[flow.numerics.gradient].form(flow.spacing)
+    def find(self, flow: "Flow", seen: Array) -> None:
+        p = flow.particles
         p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
-        gradient.regain_role(p.start_role, flow.cloud, form._replace(floor=REGAIN * form.floor))
+        if (form := GRADIENTS[flow.numerics.gradient].form(flow.spacing)) is not None:
+            gradient.regain_role(p.start_role, flow.cloud, form._replace(floor=REGAIN * form.floor))
 
 
 class AngularGap(Surface):
@@ -77,7 +79,7 @@ class AngularGap(Surface):
     name, reach, fields = "gap", lengths.SURFACE_GAP, ("closing", "alpha")
     dims = (2,)
 
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: Array) -> None:
         p = flow.particles
         surface.surface_by_gap(p.role_all, p.role_all.copy(), flow.cloud._replace(kind=seen),
                                flow.walls.present(flow, wetness.CLOSING), p.alpha, lengths.SURFACE_GAP * flow.spacing,
@@ -94,7 +96,7 @@ class Auxiliary(Surface):
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
     dims = (2,)
 
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: Array) -> None:
         p = flow.particles
         surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), flow.cloud._replace(kind=seen),
                                                flow.walls.present(flow, wetness.CLOSING), p.alpha,
@@ -110,7 +112,7 @@ class DensityRatio(Surface):
 
     name, source, fields = "density", "Z14 Sec 2.4", ("closing", "alpha")
 
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: Array) -> None:
         p = flow.particles
         surface.surface_by_density(p.role_all, flow.cloud, p.alpha, 0.9)
 
@@ -124,7 +126,7 @@ class PositionDivergence(Surface):
     name, source, fields = "divergence", "Lee et al. 2008", ("closing",)
     limits = {2: 1.5, 3: 2.4}
 
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: Array) -> None:
         p = flow.particles
         found = np.empty(p.n_owned)
         surface.position_divergence(found, flow.cloud._replace(kind=seen), flow.walls.present(flow, wetness.CLOSING),

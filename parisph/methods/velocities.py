@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import collisions, films, movement
 from parisph.methods import lengths, straining
@@ -26,7 +27,7 @@ class Filter(Regulariser):
     def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return straining.FIELDS if numerics.filter_strain else ()
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         n = flow.numerics
         return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * straining.beyond_fit(flow)
 
@@ -39,7 +40,7 @@ class Film(Regulariser):
     def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.surface_rule != "none"    # a full tank has no film
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
         change = np.empty_like(p.u)
         films.settle(change, flow.cloud, p.u_all, flow.step.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
@@ -60,7 +61,7 @@ class Collisions(Regulariser):
         collisions.count_collisions(p.pairs, flow.close_pairs(distance), p.u_all, distance * flow.spacing)
         flow.stale.add("pairs")
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p, n = flow.particles, flow.numerics
         change, distance = np.empty_like(p.u), n.collision_distance
         flow.step.collisions = collisions.pair_collisions(change, flow.close_pairs(distance), p.pairs_all, p.u_all,
@@ -81,7 +82,7 @@ class WallGuard(Limiter):
         flow.stale.add("u")
 
 
-def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
+def keep_in_tank(flow: "Flow", u: Floats, dt: float) -> Floats:
     """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
 
     Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import CalledProcessError
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.live_line import LiveLine, clock
 from parisph.base.paths import AnyPath
@@ -15,6 +16,9 @@ from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 from parisph.pictures.view import FieldView, Look
+
+if TYPE_CHECKING:
+    from matplotlib.animation import AbstractMovieWriter
 
 RATE = 20.0             # frames a second by default
 SLOWEST, FASTEST = 1.0, 60.0   # frames a second that players show well
@@ -44,7 +48,6 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
-    look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
     figure, path = style.drawing(), Path(path)
     _check_ending(path)
@@ -52,7 +55,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
         raise StoreError(f"{run.folder} has no snapshots")
     pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
     some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
-    view = FieldView(run.case, some, look)
+    view = FieldView(run.case, some, Look(field, **look))
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
     axes = picture.add_subplot()
@@ -105,10 +108,10 @@ class Pace:
 
     fps: float
     slow: float | None
-    numbers: np.ndarray
+    numbers: Ints
 
     @classmethod
-    def of(cls, times: np.ndarray, fps: float | None = None, slow: float | None = None,
+    def of(cls, times: Floats, fps: float | None = None, slow: float | None = None,
            whole_hundredths: bool = False) -> "Pace":
         """Return the Pace for snapshots at `times` (n,) [s], increasing.
 
@@ -144,13 +147,13 @@ class Pace:
         return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
 
 
-def _check_positive(name, value, most):
+def _check_positive(name: str, value: float | None, most: float) -> None:
     if value is not None and not 0.0 < value <= most or value == np.inf:
         limit = f" and at most {most:g}" if most < np.inf else ""
         raise CaseError(f"{name} {value:g}: must be a number greater than 0{limit}")
 
 
-def _check_ending(path):
+def _check_ending(path: Path) -> None:
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise CaseError(f"{path}: a movie ends in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not has_ffmpeg():
@@ -158,10 +161,11 @@ def _check_ending(path):
                          f"example by `apt install ffmpeg`, or write {path.with_suffix('.gif')}")
 
 
-def _writer(path, fps):
+def _writer(path: Path, fps: float) -> "AbstractMovieWriter":
     from matplotlib import animation
 
+    rate: Any = fps    # matplotlib declares whole numbers, and takes all
     if path.suffix.lower() == ".gif":
         # the writer truncates the milliseconds of a frame: 29.999... would become 20
-        return animation.PillowWriter(fps=fps * (1.0 - 1e-9))
-    return animation.FFMpegWriter(fps=fps, extra_args=["-pix_fmt", "yuv420p"])
+        return animation.PillowWriter(rate * (1.0 - 1e-9))
+    return animation.FFMpegWriter(rate, extra_args=["-pix_fmt", "yuv420p"])
