@@ -10,11 +10,13 @@ from parisph.kernels.processor import numba
 processor.choose_level()
 processor.leave_out_avx512()
 
+_F = TypeVar("_F", bound=Callable[..., Any])    # kernels are typed as the functions that they compile
+
 # Kernels avoid division by zero themselves, so the checks of Python's error model are not needed.
 # NaN must stay NaN, because that is how errors are found: no "nnan".
 # Nothing calls kernels from C: without wrappers for that they compile faster.
-_F = TypeVar("_F", bound=Callable[..., Any])    # kernels are typed as the functions that they compile
-_OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
+_OPTIONS: dict[str, Any] = dict(
+    error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
 
 FOLDERS = cache.folders(int(numba.config.OPT))
@@ -64,7 +66,7 @@ class Subkernel:
         return self.alone(*arguments)
 
 
-def _subkernel_compiler(**options):
+def _subkernel_compiler(**options: Any) -> Callable[[Callable[..., Any]], Subkernel]:
     """Return a decorator for functions that only kernels call."""
     return lambda function: Subkernel(function, options)
 

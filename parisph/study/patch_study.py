@@ -64,7 +64,7 @@ class Histogram(Model):
     spacing: Spacing = Field(description="spacing")
     jitter: Jitter = Field(description="disorder k")
     edges: Several[Annotated[float, Field(ge=0)]] = Field(
-        tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
+        default=tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
 
     @field_validator("edges")
     @classmethod

@@ -23,7 +23,6 @@ from parisph.case.waves.jonswap import Jonswap, components_of
 from parisph.case.waves.solitary import SolitaryWave
 from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
-from parisph.case.waves.wavefield import WaveField
 
 BLOCK = 1000    # times that are looked at together
 MANY = 1000     # periods of the peak of irregular waves that show how far their maker goes
@@ -193,7 +192,7 @@ class PistonStroke(Translation):
         return np.ones_like, 0.0
 
     @property
-    def made(self) -> WaveField:
+    def made(self) -> WaveTrain | SolitaryWave:
         """The wave in the scene: of a solitary wave, with the crest at t = 0 where it belongs, behind the wall."""
         if not isinstance(self.wave, SolitaryWave):
             return self.wave
