@@ -10,7 +10,8 @@ from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import quartic_weight
 
 DEEPEST = 1.5    # spacings from the wall: farther away there is room for a second layer
-CALM = 0.1       # speed along the wall over sqrt(f s), with the force f into it, from which on nothing is changed
+CALM = 0.1       # speed along the wall over sqrt(f s), with the force f into it, from which on nothing is changed;
+# with .5, P2 of dam breaks scatters more
 
 
 @kernel

@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 
 class Body(Force):
-    """Gravity, and the inertia of a tank that moves."""
+    """Gravity, and the inertia of a tank that moves.
+
+    Where the divergence of the force varies as a sine, and lifts the surface by .17 d, the level of water at rest is
+    off by up to 3 % within 4 s at d/s = 9. A force that is linear in space leaves it at rest.
+    """
 
     name = "body"
 
@@ -120,7 +124,10 @@ class Viscous(Force):
 
 
 class MorrisViscous(Viscous):
-    """nu lap u by the form of Morris, which conserves momentum; on a free surface n . grad u = 0 and p = 0."""
+    """nu lap u by the form of Morris, which conserves momentum; on a free surface n . grad u = 0 and p = 0.
+
+    It converges only as long as particles stay on their lattice.
+    """
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
     open_fields = ("touched",)

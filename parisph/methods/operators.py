@@ -163,7 +163,11 @@ class FluxDivergence(Divergence):
 
 
 class SfdiWalls(WallRows):
-    """First-order weighted least squares."""
+    """First-order weighted least squares.
+
+    The error has one sign, whatever the arrangement: of p = y^2/2 above a flat wall every neighbour finds a slope that
+    is too large, in proportion to its height.
+    """
 
     name, source, reach = "sfdi", "Z14 Eq 26b, with Eq A6 corrected", lengths.WALL
 
@@ -197,7 +201,8 @@ class CurvedWalls(HarmonicWalls):
     """Harmonic rows that know how the pressure bends beside them, so that they are exact for quadratics.
 
     With a gradient that knows this too ("curved", "cubic"): beside a linear one, what rows and gradient differ by
-    leaves divergence in each step, and the level rises (kernels.curvature).
+    leaves divergence in each step, and the level rises (kernels.curvature). Not for violent flow: columns two particles
+    wide beside a wall gain .4 % of their energy, and falls against a box .5 %.
     """
 
     name, fields = "curved", ("laplacian",)

@@ -48,7 +48,8 @@ class Irrotational(Regulariser):
     """Removes what each velocity has beyond a potential flow, at the rate filter sqrt(a/s), with the acceleration
     a by pressure; less in rapid flow.
 
-    Small errors of the operators grow at .02 to .05 sqrt(g/s) without it.
+    Small errors of the operators grow at .02 to .05 sqrt(g/s) without it. A standing wave with a = .05 d and d/s = 20
+    gains .7 % of its energy in 60 periods with a filter of .5, and 2.5 % with .33.
 
     Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit, unless a
     filter in proportion to the strain (`filter_strain`) does that.

@@ -70,7 +70,11 @@ class Collisions(Regulariser):
 
 
 class WallGuard(Limiter):
-    """Stops particles before they pass a wall."""
+    """Stops particles before they pass a wall.
+
+    A particle inside a wall sees its neighbours on the wrong side, which gives an unbounded pressure. With a distance
+    of .5 spacings in place of .25, a tongue would hit a wall late.
+    """
 
     name, cause, words = "wall_guard", "guard", "wall guard"
 

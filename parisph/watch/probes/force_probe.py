@@ -40,6 +40,9 @@ class Force(OfPressure):
     impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
     step.
 
+    In an impact the impulse is up to 4 % more than the momentum that the fluid loses: particles of a surface that lands
+    stand for half a cell, and push as a whole one.
+
     on : name of the body
     side : of a tank; None for all of it
     about : point of the moment [m]
