@@ -55,15 +55,11 @@ def exit_code(error: BaseException) -> int:
 def agree(comm: Communicator, error: Exception | None = None) -> None:
     """Raise on every rank if any rank has an error; return if none has. Collective.
 
-    Parameters
-    ----------
     comm : mpi4py communicator
     error : Exception or None
         What went wrong on this rank.
 
-    Raises
-    ------
-    The class of the lowest failing rank's error (a ParisphError stays what it is,
+    Raises The class of the lowest failing rank's error (a ParisphError stays what it is,
     anything else becomes a ParisphError), with that rank's message on every rank.
     """
     if comm.size == 1:

@@ -20,16 +20,12 @@ def start(comm: Communicator, path: AnyPath | None = None, level: int = logging.
           stream: TextIO | None = None) -> None:
     """Start logging on rank 0, to the screen and to a file; other ranks log nothing. Not collective.
 
-    Parameters
-    ----------
     comm : communicator; its rank 0 logs
     path : path of a log file to append to, or None
     level : lowest level that is shown (the file takes everything)
     stream : open text file for the screen, standard error by default
 
-    Raises
-    ------
-    OSError on rank 0: the log file cannot be written.
+    Raises OSError on rank 0: the log file cannot be written.
     """
     stop()
     logger.propagate = False
@@ -88,8 +84,6 @@ class Timers:
 
     Phases may be nested: each counts all the time inside it. A phase inside itself counts once.
 
-    Attributes
-    ----------
     seconds : dict of phase -> seconds so far on this rank, in the order of first use
     """
 

@@ -272,8 +272,6 @@ class ProbeArray(Probe):
 
     truth : Profiles of the surface, for an array of nothing but SurfaceGauges
 
-    Examples
-    --------
     >>> gauges = ProbeArray("gauges", [SurfaceGauge(f"x{x}", at=x) for x in (1, 2, 3)])
     >>> [probe.name for probe in gauges.probes]
     ['x1', 'x2', 'x3']

@@ -82,9 +82,6 @@ class Conservation:
     distances even, which changes the energy of all of them by more than that of waves. It is not known while the
     surface is torn; if it never is, the energy itself is not judged.
 
-    Parameters
-    ----------
-    simulation : Simulation
     state : dict of an earlier part of the run (`state()`), possibly empty
     start : {"energy", "volume"} at the start of the run or None, if `state` does not contain it
     """

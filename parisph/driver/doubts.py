@@ -99,9 +99,6 @@ def advice(limit: Limit, preset: str) -> str:
 class Doubts:
     """Looks at pairs and at the mean level on the way, and at the end at all that has a limit.
 
-    Parameters
-    ----------
-    simulation : Simulation
     state : dict of an earlier part of the run (`state()`), possibly empty
     """
 

@@ -47,15 +47,12 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
         overwrite: bool = False, force: bool = False) -> dict[str, Any]:
     """Run a case from its start into the folder `out`, and return the summary, the same dict on every rank. Collective.
 
-    Parameters
-    ----------
     case : Case; comm : mpi4py communicator; out : folder, without an earlier run
     petsc_options : list of str; progress : whether rank 0 shows progress
     overwrite : whether to move an earlier run in `out` to `out`.old, `out`.old-2, ...; nothing is ever removed
     force : whether to use a folder that is locked by a process which may or may not still run
 
-    Raises
-    ------
+    Raises:
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then
     contains summary.json and all results so far, unless it held a run already (CaseError).
     """
@@ -85,8 +82,7 @@ def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyP
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder to continue in,
     without an earlier run; the same folder by default. Other parameters as for `run`.
 
-    Raises
-    ------
+    Raises:
     As `run`, and on every rank before anything is changed: CaseError if `out` holds another run, if results
     of the same folder after the checkpoint would be lost, or if there is nothing left to do; StoreError if
     the folder is in use, or one of its files is damaged.

@@ -34,11 +34,8 @@ class Overflow:
 class OpenTank:
     """What water may leave a scene over.
 
-    Attributes
-    ----------
     rims : of what holds the water, and of wavemakers, behind which it is dry
     scene : for the energy
-    left : Overflow
     """
 
     rims: tuple[Rim, ...]

@@ -69,9 +69,6 @@ class PeakFlows:
     at a time, wait in memory and in checkpoints until their means are known. Those at the end of a run are judged as
     if it ended there, and once more if it goes on.
 
-    Parameters
-    ----------
-    simulation : Simulation
     samplers : list of Sampler, of all probes
     fields : names of the fields in snapshots
     state : dict of an earlier part of the run, from its checkpoint (see `state`)

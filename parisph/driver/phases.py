@@ -12,8 +12,6 @@ class PhaseTimers(Timers):
     A rank that waits for others uses wall time; it depends on the MPI library whether it also uses
     CPU time.
 
-    Attributes
-    ----------
     cpu : dict of phase -> CPU seconds so far on this rank
     """
 

@@ -69,16 +69,12 @@ def _collective(method: Callable[Concatenate["Simulation", Options], Result]
 class Simulation:
     """A scene that can be advanced step by step, for scripts, notebooks and the command line.
 
-    Parameters
-    ----------
-    case : Case
     comm : mpi4py communicator; it is duplicated
     petsc_options : list of str, PETSc's options with the prefix pressure_
     start : Checkpoint or None
         The checkpoint to continue from.
 
-    Attributes
-    ----------
+    Attributes:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
     timers : PhaseTimers

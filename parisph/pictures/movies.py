@@ -29,8 +29,6 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
 
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
-    Parameters
-    ----------
     run : Run, or the folder of one
     path : file to write
     field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
@@ -39,8 +37,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
 
-    Raises
-    ------
+    Raises:
     CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
@@ -96,8 +93,6 @@ def _done(count: int, frames: int, elapsed: float) -> str:
 class Pace:
     """The speed of an animation.
 
-    Attributes
-    ----------
     fps : frames per second
     slow : how many times slower than in nature; None for a single frame
     numbers : (frames,) int, the snapshot in each frame, which is the nearest in time

@@ -23,8 +23,6 @@ Count = Annotated[int, Field(ge=1, le=10_000)]
 class Choices(Model):
     """Values that are combined, each with every other. An empty field leaves the value of the case.
 
-    Attributes
-    ----------
     methods : names of methods
     spacings, time_steps : of the case's parameters `spacing` and `time_step`, in their units; a time step None adapts.
         If the case has no such parameter, they are numerics.spacing [m] and numerics.time_step [s]
@@ -115,8 +113,6 @@ class OtherCodes(Model):
 class Study(Choices):
     """A study: its runs are all combinations of its choices, or of those of each of its variants.
 
-    Attributes
-    ----------
     case : path of a case file or of a stored case, relative to the study file
     title : one line for tables and pictures
     variants : list of Variant; without any, the choices of the study itself are combined
@@ -128,9 +124,7 @@ class Study(Choices):
     time_limit : longest time of a run on the clock [s], None for no limit
     warm_up : whether a step of each method is made first, so that no CPU time includes the compilation of kernels
 
-    Raises
-    ------
-    CaseError : with one line for each problem
+    Raises CaseError: with one line for each problem
     """
 
     case: str = Field(kw_only=True, min_length=1, description="path of the case file, relative to the study file")

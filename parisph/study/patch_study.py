@@ -82,8 +82,6 @@ class Histogram(Model):
 class PatchStudy(Model):
     """Operators on fields with known derivatives, in the unit square or cube. All choices are combined.
 
-    Attributes
-    ----------
     fields : names (patch.analytic.FIELD_OF), or AnalyticField(...)
     laplacians, gradients : words of the registries of parts, also of parts that the study file has registered
     patches : what is measured
@@ -105,9 +103,7 @@ class PatchStudy(Model):
     histograms : list of Histogram, of Laplacians in the interior
     title : one line for tables and pictures
 
-    Raises
-    ------
-    CaseError : with one line for each problem
+    Raises CaseError: with one line for each problem
     """
 
     kind: Literal["patch"] = Field(default="patch", init=False)

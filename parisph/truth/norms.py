@@ -54,9 +54,7 @@ def on_reference(time: Floats, value: Floats, reference_time: Floats, reference:
     time, value : (n,) of the run; reference_time, reference : (m,)
     shift : [s], added to the run's time, as for a gate that opens late
 
-    Raises
-    ------
-    ValueError : the two overlap in fewer than two samples of either
+    Raises ValueError: the two overlap in fewer than two samples of either
     """
     time, value = _series(time, value)
     reference_time, reference = _series(reference_time, reference)
@@ -107,8 +105,7 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
     shift : [s], added to the run's time
     rest : None, or the level at rest of a wave, in the probe's unit
 
-    Returns
-    -------
+    Returns:
     dict: relative_l2 (relative to the wave if `rest` is given), z14 (relative to all, with the level at rest), samples,
     start and end [s] of the compared window.
     """

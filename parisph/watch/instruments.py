@@ -23,9 +23,7 @@ from parisph.watch.sampling import Sampler, Scene, View
 def build(case: Case, comm: Communicator) -> list[Sampler]:
     """Return the samplers of the case's probes, in their order. Collective.
 
-    Raises
-    ------
-    CaseError on every rank: a probe for 2D only in a case in three dimensions.
+    Raises CaseError on every rank: a probe for 2D only in a case in three dimensions.
     """
     error, samplers = None, []
     try:

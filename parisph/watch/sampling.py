@@ -141,8 +141,6 @@ class View:
 class Sampler:
     """One probe of a run, or an array of them, with the columns of all.
 
-    Attributes
-    ----------
     name, title : str
     columns : dict of column name -> unit
     ghosts : fields of the ghosts that must be up to date

@@ -11,8 +11,6 @@ from tests.hard.table import Line
 class Scene:
     """One hard case, computed in a process of its own.
 
-    Attributes
-    ----------
     what : a few words for people
     measure : function(Bench) that computes it and returns list of Line
     limit : wall time [s] after which it is ended

@@ -12,9 +12,7 @@ QUICK: dict[str, Scene] = {name: scene for part in SHORT for name, scene in part
 def chosen(words: list[str], among: dict[str, Scene]) -> list[str]:
     """Return the scenes that words name: `columns-1-wall`, or `columns` for all whose name begins so. All for no words.
 
-    Raises
-    ------
-    ValueError : a word names none
+    Raises ValueError: a word names none
     """
     for word in words:
         if not any(_fits(name, word) for name in among):

@@ -13,8 +13,6 @@ ENDED = "came to its end"
 class Line:
     """One measured quantity of a scene.
 
-    Attributes
-    ----------
     what : the quantity
     value : number
     must, aim : what is required and what is aimed at, None for a report only
@@ -45,8 +43,6 @@ class Line:
 class Outcome:
     """What became of a scene.
 
-    Attributes
-    ----------
     scene, seed : its name, and which start
     ended : ENDED, "stopped: MESSAGE" for an error of parisph, "failed: ..." for anything else
     may_stop : whether it may stop with an error of parisph, which names cause and remedy

@@ -35,9 +35,7 @@ def plans(words: list[str], axes: dict[str, list[float | str]], setting: Setting
     axes : values in place of those of the parts, empty lists for none
     quick : the quick selection, of short runs
 
-    Raises
-    ------
-    ValueError : a word names none
+    Raises ValueError: a word names none
     """
     found = [plan for part in PARTS for plan in _of(part, axes, setting, quick)]
     for word in words:

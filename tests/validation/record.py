@@ -97,8 +97,6 @@ def save(rows, path):
 class Bench:
     """Runs scenes as runs of studies, in a folder of its own. What is finished there is not run again by the same code.
 
-    Parameters
-    ----------
     folder : where the runs go, kept; None for a temporary folder that is removed by `close`
     """
 

@@ -85,8 +85,6 @@ class Series(Sampled, Model):
     water feels, so rough data should be smoothed before. Before the first and after the last time the body rests: data
     that does not begin and end at rest has a jump of velocity there.
 
-    Attributes
-    ----------
     file : path, relative to the case file
     time, value : names of the columns
     scale, offset : value = offset + scale * column, so scale = pi/180 for degrees
@@ -94,8 +92,6 @@ class Series(Sampled, Model):
     rate : whether the values are velocities [m/s] or [rad/s]; the motion is then their integral
     times, values : in SI units; from the file, if one is given
 
-    Examples
-    --------
     >>> angle = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
     >>> print(f"{angle.law(1.0)[0]:.3f} rad")
     0.100 rad

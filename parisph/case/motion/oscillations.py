@@ -33,8 +33,6 @@ def _top_rate(motion: "_Oscillation") -> float:
 class AtRest(Translation):
     """A body that does not move.
 
-    Examples
-    --------
     >>> AtRest().law(1.0)
     (0.0, 0.0, 0.0)
     """
@@ -124,8 +122,6 @@ class Sway(_Harmonic):
     direction : (x, y)
     ramp : [s] in which it grows to its amplitude; default 0
 
-    Examples
-    --------
     >>> print(f"{Sway(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")    # after half a period
     0.060 m
     >>> print(f"{Sway(amplitude=0.03, period=1.0, ramp=3.0).law(3.5)[0]:.3f} m")
@@ -145,8 +141,6 @@ class Heave(_Harmonic):
 
     amplitude, frequency or period, ramp : as of a Sway
 
-    Examples
-    --------
     >>> print(f"{Heave(amplitude=0.03, period=1.0).law(0.5)[0]:.3f} m")
     0.060 m
     """
@@ -167,8 +161,6 @@ class Roll(_Oscillation, Rotation):
     centre : (x, y) [m]
     ramp : [s] in which a harmonic roll grows to its amplitude; default one period. With 0 the body turns from the start
 
-    Examples
-    --------
     >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
     0.070 rad
     >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
@@ -209,7 +201,7 @@ class Roll(_Oscillation, Rotation):
         return self.amplitude
 
     def _wave(self, t: float) -> Law:
-        a, w = self.amplitude, self.omega
+        a, w = cast(float, self.amplitude), self.omega
         return a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
 
     @property
@@ -242,8 +234,6 @@ class Roll(_Oscillation, Rotation):
 class Moved(Translation):
     """A measured translation, series, along a direction.
 
-    Examples
-    --------
     >>> path = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
     >>> print(f"{Moved(path, direction=(0.0, 1.0)).law(2.0)[0]:.3f} m")
     0.100 m
@@ -277,8 +267,6 @@ class Tabulated(Sampled, Translation):
     With rate=True the values are velocities [m/s]; the motion is their integral, from rest at x = 0. A column of a file
     is read by a Moved: Moved(Series("paddle.csv", time="t", value="velocity", rate=True)).
 
-    Examples
-    --------
     >>> print(f"{Tabulated(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)).law(1.0)[0]:.3f} m")
     0.100 m
     """

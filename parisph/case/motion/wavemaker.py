@@ -188,8 +188,6 @@ class PistonStroke(_Stroke, Translation):
     ramp : [s] in which regular and irregular motion grows; default one period
     tail : elevation over height at the piston when the motion for a solitary wave starts
 
-    Examples
-    --------
     >>> stroke = PistonStroke(SolitaryWave(height=0.05, depth=0.25), place=0.0)
     >>> print(f"{stroke.made.celerity:.2f} m/s")
     1.71 m/s
@@ -280,8 +278,6 @@ class FlapStroke(_Stroke, Rotation):
     wave : the wave; centre : the hinge (x, y) [m]; bed : height y of the bed [m]; ramp, second_order : as of a
         PistonStroke
 
-    Examples
-    --------
     >>> stroke = FlapStroke(Airy(height=0.05, period=1.2, depth=0.5), centre=(0.0, 0.1))
     >>> print(f"{abs(stroke.law(0.0)[0]):.3f} rad")    # at rest at the start
     0.000 rad

@@ -35,8 +35,6 @@ class Airy(Travelling):
     height [m], period [s], depth [m]. Above the still surface the velocity goes on as it is below. The error is of the
     order of the steepness.
 
-    Examples
-    --------
     >>> wave = Airy(height=0.05, period=1.2, depth=0.5)
     >>> print(f"{wave.length:.2f} m, {wave.elevation(0.0, 0.6):+.3f} m")    # half a period after the crest
     2.05 m, -0.025 m
@@ -92,8 +90,6 @@ class StandingWave(WaveField):
     phase = pi/2 the water is at rest. High waves start better flat: what the raised surface of linear theory lacks goes
     along as free waves.
 
-    Examples
-    --------
     >>> wave = StandingWave(amplitude=0.02, length=2.0, depth=1.0, phase=pi / 2)
     >>> print(f"{wave.elevation(0.0, 0.0):.3f} m, {wave.omega:.2f} rad/s")
     0.020 m, 5.54 rad/s

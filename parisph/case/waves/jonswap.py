@@ -70,8 +70,6 @@ class Jonswap(WaveField):
     Frequencies are from 0.5 to 4 times that of the peak. Below the surface, velocities are those at the same share of
     the depth (Wheeler), because the shortest waves would grow without limit under the crests of the longest.
 
-    Examples
-    --------
     >>> sea = Jonswap(height=0.06, period=1.5, depth=0.5, seed=3)
     >>> sea.elevation(0.0, [0.0, 0.5, 1.0]).shape
     (3,)

@@ -28,8 +28,6 @@ class Energy(Probe):
     current : whether also by the volumes that particles represent now, not only by those at the start, with the sum of
         these: what a particle represents changes when it comes to a wall or to the surface, or leaves it
 
-    Examples
-    --------
     >>> Energy("energy", current=True).current
     True
     """

@@ -27,8 +27,6 @@ class Flux(Probe):
     pause : time without water passing that ends an event [s]. With it, the summary tells each event with its start, its
         end and its volume, as of crests that come over a wall; their sum is the total. None for no events
 
-    Examples
-    --------
     >>> Flux("over", start=(4.0, 0.5), end=(4.0, 1.0), pause=0.3).pause
     0.3
     """

@@ -47,8 +47,6 @@ class Force(OfPressure):
     acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
         moment_acted
 
-    Examples
-    --------
     >>> Force("load", side="right", about=(1.0, 0.0)).side
     'right'
     """

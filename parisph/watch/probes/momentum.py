@@ -15,8 +15,6 @@ class Momentum(Probe):
 
     It is that of all fluid, in the tank's frame [kg/s per metre of width].
 
-    Examples
-    --------
     >>> Momentum("momentum").name
     'momentum'
     """

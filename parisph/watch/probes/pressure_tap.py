@@ -44,8 +44,6 @@ class PressureTap(OfPressure):
     A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end. It is a
     mean in time, as of a Force.
 
-    Examples
-    --------
     >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
     True
     >>> PressureTap("P1", at=(3.22, 0.16), diameter=0.09).diameter

@@ -49,8 +49,6 @@ class RunUp(Probe):
     film : along a line: thinnest film that counts [m]. In one of thickness h, particles of spacing s are s^2/h apart.
         None to let water end where they are 2.1 spacings apart, in a film of half a spacing, and to leave out spray
 
-    Examples
-    --------
     >>> RunUp("wall", side="right").on
     'tank'
     >>> RunUp("beach", points=[(4.0, 0.0), (6.0, 0.5)]).points[1]

@@ -20,8 +20,6 @@ TIE = 1e-6    # spacings: the point may be so near to a wall
 class VelocityPoint(AtPoints):
     """Velocity u, v [m/s] and pressure p [Pa] at the point `at` [m]; nan outside the fluid.
 
-    Examples
-    --------
     >>> VelocityPoint("below", at=(2.0, 0.1)).at
     (2.0, 0.1)
     """

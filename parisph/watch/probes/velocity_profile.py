@@ -20,8 +20,6 @@ class VelocityProfile(AtPoints):
 
     The columns of point k are u_k, v_k and p_k; the first point is 0. Points outside the fluid have nan.
 
-    Examples
-    --------
     >>> VelocityProfile("middle", start=(0.5, 0.0), end=(0.5, 1.0), points=3).places.tolist()
     [[0.5, 0.0], [0.5, 0.5], [0.5, 1.0]]
     """

@@ -18,8 +18,6 @@ class WaterFront(Probe):
     that has no gap of more than 2.1 spacings along x, so that a droplet ahead is not the front. Without a tank the same
     of all the fluid.
 
-    Examples
-    --------
     >>> WaterFront("front").kind
     'water_front'
     """
