@@ -9,18 +9,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Disc,
-    Fluid,
-    Heave,
-    Obstacle,
-    PressureTap,
-    ProbeArray,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-    VelocityPoint,
-)
+from parisph import Disc, Fluid, Heave, Obstacle, PressureTap, ProbeArray, StillWater, SurfaceGauge, Tank, VelocityPoint
 from parisph.base.fields import FLUID, SURFACE
 from parisph.driver import run, touched
 from parisph.driver.doubts import LIMITS, advice, heights, of_gauges

@@ -5,19 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.case.absorb import Relaxation, Sponge, Zone
-from parisph.case.schema import (
-    Box,
-    Case,
-    Flap,
-    Fluid,
-    Heave,
-    Numerics,
-    Obstacle,
-    Piston,
-    Profile,
-    StillWater,
-    Tank,
-)
+from parisph.case.schema import Box, Case, Flap, Fluid, Heave, Numerics, Obstacle, Piston, Profile, StillWater, Tank
 from parisph.case.waves import StreamFunction, angular_frequency
 from parisph.case.waves.wavefield import WaveField
 from tests.hard.table import Line

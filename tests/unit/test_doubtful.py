@@ -7,36 +7,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Airy,
-    Box,
-    Case,
-    CaseError,
-    Fluid,
-    Force,
-    Heave,
-    Jonswap,
-    Numerics,
-    Obstacle,
-    Output,
-    Piston,
-    PistonStroke,
-    Plate,
-    Relaxation,
-    Roll,
-    RunUp,
-    Series,
-    SolitaryWave,
-    Sponge,
-    StandingWave,
-    StillWater,
-    Stokes,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, CaseError, Fluid, Force, Numerics, Output, Relaxation, RunUp, Sponge, Tank
+from parisph.case.bodies import Obstacle, Piston, Plate, StillWater
 from parisph.case.doubtful import doubts
 from parisph.case.load import load
+from parisph.case.motion import Heave, PistonStroke, Roll, Series, Sway
 from parisph.case.wave_sizes import size_of, sizes, strain_rate
+from parisph.case.waves import Airy, Jonswap, SolitaryWave, StandingWave, Stokes
 from parisph.driver import Simulation, ahead, describe, run
 from tests.lasting import obstacles
 from tests.lasting.long import Setting

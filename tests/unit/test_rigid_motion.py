@@ -4,24 +4,11 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from parisph import (
-    Airy,
-    CaseError,
-    Heave,
-    Jonswap,
-    Moved,
-    Roll,
-    Series,
-    SolitaryWave,
-    Stokes,
-    StreamFunction,
-    Sway,
-    load,
-)
+from parisph import CaseError, Heave, Moved, Roll, Series, Sway, load
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, PistonStroke, Tabulated
 from parisph.case.motion.second_order import second_harmonic
 from parisph.case.motion.wavemaker import flap_ratio, piston_ratio
-from parisph.case.waves import angular_frequency, wave_number
+from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction, angular_frequency, wave_number
 
 H = 1e-5
 TIMES = tuple(np.linspace(0.0, 3.0, 16))

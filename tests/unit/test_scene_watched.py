@@ -6,23 +6,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    ColumnHeight,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Piston,
-    PressureTap,
-    Profile,
-    SolitaryWave,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-    WaterFront,
-)
+from parisph import Box, Case, ColumnHeight, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, WaterFront
 from parisph.base.fields import FLUID, WALL
+from parisph.case.bodies import Obstacle, Piston, Profile, StillWater
+from parisph.case.waves import SolitaryWave
 from parisph.driver import solid_walls
 from parisph.driver.overflow import OpenTank
 from parisph.geometry import build
