@@ -95,7 +95,6 @@ class Relaxation(Zone):
     level: float | None = Field(default=None, kw_only=True, description="height y of the still surface [m]")
 
     def target(self, x: Floats, t: float, level: float) -> Floats | float:
-        """See Zone."""
         bed = (level if self.level is None else self.level) - self.wave.depth
         grown = float(np.sin(0.5 * np.pi * np.clip(t / self.ramp, 0.0, 1.0)) ** 2) if self.ramp else 1.0
         return grown * np.stack(self.wave.velocity(x[:, 0], x[:, -1] - bed, t), axis=1)

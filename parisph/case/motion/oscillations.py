@@ -41,7 +41,6 @@ class AtRest(Translation):
     direction: Direction = (1.0, 0.0)
 
     def law(self, t: float) -> Law:
-        """See Motion."""
         return 0.0, 0.0, 0.0
 
 
@@ -82,7 +81,6 @@ class _Oscillation(Motion):
         return 2.0 * np.pi / cast(float, self.period) if self.frequency is None else self.frequency
 
     def law(self, t: float) -> Law:
-        """See Motion."""
         return product(rise(t, self._growth), self._wave(t)) if self._growth else self._wave(t)
 
     @property
@@ -209,25 +207,20 @@ class Roll(_Oscillation, Rotation):
         return 2.0 * np.pi / self.omega if self.ramp is None else self.ramp
 
     def law(self, t: float) -> Law:
-        """See Motion."""
         return self.amplitude.law(t) if isinstance(self.amplitude, Series) else super().law(t)
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
         return self.amplitude.values_at(times) if isinstance(self.amplitude, Series) else super().values_at(times)
 
     @property
     def longest_step(self) -> float:
-        """See Motion."""
         return np.inf if isinstance(self.amplitude, Series) else super().longest_step
 
     @property
     def top_rate(self) -> float:
-        """See Motion."""
         return self.amplitude.top_rate if isinstance(self.amplitude, Series) else super().top_rate
 
     def instants(self, stop: float) -> Floats:
-        """See Motion."""
         return self.amplitude.instants(stop) if isinstance(self.amplitude, Series) else super().instants(stop)
 
 
@@ -244,20 +237,16 @@ class Moved(Translation):
     direction: Direction = (1.0, 0.0)
 
     def law(self, t: float) -> Law:
-        """See Motion."""
         return self.series.law(t)
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
         return self.series.values_at(times)
 
     @property
     def top_rate(self) -> float:
-        """See Motion."""
         return self.series.top_rate
 
     def instants(self, stop: float) -> Floats:
-        """See Motion."""
         return self.series.instants(stop)
 
 

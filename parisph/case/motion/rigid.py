@@ -116,7 +116,6 @@ class Translation(Motion):
         return _unit_vector(self.direction) * value
 
     def placed_by(self, x: Floats, value: float) -> Floats:
-        """See Motion."""
         return x + self._along(value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
@@ -124,19 +123,15 @@ class Translation(Motion):
         return vectors
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
         return np.broadcast_to(self._along(self.law(t)[1]), np.shape(x))
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
         return np.broadcast_to(self._along(self.law(t)[2]), np.shape(x))
 
     def seen(self, vectors: Floats, t: float) -> Floats:
-        """See Motion."""
         return vectors
 
     def top_speed(self, lower: Floats, upper: Floats) -> float:
-        """See Motion."""
         return self.top_rate
 
 
@@ -148,29 +143,23 @@ class Rotation(Motion):
         def centre(self) -> tuple[float, ...]: ...
 
     def placed_by(self, x: Floats, value: float) -> Floats:
-        """See Motion."""
         return self.centre + rotated(np.asarray(x) - self.centre, value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
-        """See Motion."""
         return rotated(vectors, self.law(t)[0])
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
         return self.law(t)[1] * quarter(np.asarray(x) - self.centre)
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
         _, rate, second = self.law(t)
         arm = np.asarray(x) - self.centre
         return second * quarter(arm) - rate**2 * arm
 
     def seen(self, vectors: Floats, t: float) -> Floats:
-        """See Motion."""
         return rotated(vectors, -self.law(t)[0])
 
     def top_speed(self, lower: Floats, upper: Floats) -> float:
-        """See Motion."""
         arm = np.maximum(np.abs(np.asarray(lower) - self.centre), np.abs(np.asarray(upper) - self.centre))
         return self.top_rate * float(np.linalg.norm(arm))
 

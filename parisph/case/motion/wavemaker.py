@@ -137,14 +137,12 @@ class _Stroke(Motion):
         return self.train.period if self.ramp is None else self.ramp
 
     def law(self, t: float) -> Law:
-        """See Motion."""
         a, w, phase = _harmonics(self)
         sine, cosine = a * np.sin(w * t - phase), a * np.cos(w * t - phase)
         wave = float(sine.sum()), float((w * cosine).sum()), float(-(w * w * sine).sum())
         return _scaled(self._scale, product(rise(t, self._growth), wave))
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
         a, w, phase = _harmonics(self)
         duration = self._growth
         found = [np.sin(np.outer(part, w) - phase) @ a for part in np.array_split(times, 1 + len(times) // BLOCK)]
@@ -162,7 +160,6 @@ class _Stroke(Motion):
 
     @property
     def longest_step(self) -> float:
-        """See Motion."""
         return SHARE * self.train.period
 
     @property
@@ -220,7 +217,6 @@ class PistonStroke(_Stroke, Translation):
         return 1.0, 0.0
 
     def ratio(self, k: float) -> float:
-        """See _Stroke."""
         return piston_ratio(k, self.wave.depth)
 
     @property
@@ -241,17 +237,14 @@ class PistonStroke(_Stroke, Translation):
         return -1.0 if self.wave.leftward else 1.0
 
     def law(self, t: float) -> Law:
-        """See Motion."""
         if isinstance(self.wave, SolitaryWave):
             return _scaled(self._scale, _solitary(self.wave, self.tail)[0].at(t))
         return super().law(t)
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
         return Motion.values_at(self, times) if isinstance(self.wave, SolitaryWave) else super().values_at(times)
 
     def instants(self, stop: float) -> Floats:
-        """See Motion."""
         if isinstance(self.wave, SolitaryWave):    # it goes one way
             knots: Floats = np.unique(np.minimum(_solitary(self.wave, self.tail)[0].t, stop))
             return knots
@@ -259,14 +252,12 @@ class PistonStroke(_Stroke, Translation):
 
     @property
     def longest_step(self) -> float:
-        """See Motion."""
         if isinstance(self.wave, SolitaryWave):
             return SHARE * 2.0 * np.pi / (self.wave.rate * self.wave.celerity)
         return super().longest_step
 
     @property
     def top_rate(self) -> float:
-        """See Motion."""
         if isinstance(self.wave, SolitaryWave):
             return float(np.abs(_solitary(self.wave, self.tail)[0].points[:, 1]).max())
         return super().top_rate
@@ -309,7 +300,6 @@ class FlapStroke(_Stroke, Rotation):
         return self.bed + self.wave.depth - self.centre[1]
 
     def ratio(self, k: float) -> float:
-        """See _Stroke."""
         return flap_ratio(k, self.wave.depth, self.centre[1] - self.bed)
 
     @property

@@ -114,13 +114,11 @@ class StandingWave(WaveField):
         return float(angular_frequency(self.k, self.depth, self.g))
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         along, swing = np.cos(self.k * (np.asarray(x) - self.at)), np.sin(self.omega * np.asarray(t) + self.phase)
         eta: Floats = self.amplitude * along * swing
         return eta
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """See WaveField."""
         x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float), y, t)
         cosh, sinh = transfer(self.k, y, self.depth)
         scale = self.amplitude * self.omega * np.cos(self.omega * t + self.phase)

@@ -98,7 +98,6 @@ class Jonswap(WaveField):
         return self
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         x, t = np.broadcast_arrays(self._sign * np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         eta = np.zeros(x.shape)
         for amplitude, omega, k, phase in zip(*components_of(self)):
@@ -106,7 +105,6 @@ class Jonswap(WaveField):
         return eta
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """See WaveField."""
         x, y, t = np.broadcast_arrays(
             np.asarray(x, dtype=float), np.asarray(y, dtype=float), np.asarray(t, dtype=float)
         )

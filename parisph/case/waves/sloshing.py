@@ -80,7 +80,6 @@ class Sloshing(WaveField):
     g: Gravity = 9.81
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         x = np.asarray(x, dtype=float) - self.at
         return sway_sloshing_elevation(x, t, self.length, self.depth, self.amplitude, self.frequency, self.g)
 
