@@ -9,6 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base import log
 from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
@@ -18,7 +19,6 @@ from parisph.case.schema import Case
 from parisph.case.time_scales import flow_length, sound_speed, wave_time
 from parisph.driver import memory_check, solid_walls, wall_penetration, warmup
 from parisph.driver.overflow import OpenTank, Overflow
-from parisph.driver.phases import PhaseTimers
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.geometry import build
 from parisph.io.checkpoint import Checkpoint
@@ -77,7 +77,7 @@ class Simulation:
     Attributes:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
-    timers : PhaseTimers
+    timers : base.log.Timers
     passages : Passages, the water that has passed the lines of probes
     bad_force : float or None, the first time [s] at which the body force was not finite on this rank
 
@@ -112,7 +112,7 @@ class Simulation:
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
         agree(self.comm, _wrong_code())
-        self.timers = PhaseTimers()
+        self.timers = log.Timers()
         parts = _parts(case, self.comm)
         flow = self._flow(parts, start)
         self.method = _method(case, flow, parts, petsc_options)

@@ -157,13 +157,13 @@ class Account:
 
         comm : the ranks whose cost counts, by default all of the simulation
         """
-        comm, timers = comm or simulation.comm, simulation.timers
-        wall = {name: seconds["max"] for name, seconds in timers.reduce(comm).items()}
+        comm = comm or simulation.comm
+        found = simulation.timers.reduce(comm)
         return {"account": {
             **self.before, "wall": self.before["wall"] + perf_counter() - self.wall,
             "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
-            "phases": _sums(self.before["phases"], wall),
-            "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
+            "phases": _sums(self.before["phases"], {name: one["max"] for name, one in found.items()}),
+            "cpu_phases": _sums(self.before["cpu_phases"], {name: one["cpu"] for name, one in found.items()}),
             "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes, "isolated": self._isolated,
             "passed": self.passed,
             "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
