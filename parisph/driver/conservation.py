@@ -138,10 +138,6 @@ class Conservation:
         """Return an energy in motion, 0 if it is only what rounding leaves of the whole energy; None stays None."""
         return 0.0 if motion is not None and abs(motion) <= ROUNDING * abs(self.energy.start or 0.0) else motion
 
-    def warnings(self) -> list[str]:
-        """Return one line for each warning. Not collective."""
-        return [*self.passed().values()]
-
     def passed(self) -> dict[str, str]:
         """Return {limit that was passed: the line that says so}. Not collective."""
         found = {}
@@ -151,7 +147,7 @@ class Conservation:
                 found[f"volume {name}"] = (
                     f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, more "
                     f"than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
-        judged = self.by_surface and not self.motion.missing    # by driver.doubts, as energy in motion
+        judged = self.by_surface and not self.motion.missing    # by driver.diagnostics, as energy in motion
         if energy and not self.driven and not judged and energy["high"] > ENERGY_LIMIT:
             found["energy"] = (
                 f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though "

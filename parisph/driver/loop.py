@@ -18,7 +18,7 @@ from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
-from parisph.driver import exploded, run_folder
+from parisph.driver import diagnostics, run_folder
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.peaks import PeakFlows
@@ -197,7 +197,7 @@ class _Run:
                 self._abandon(problem)
                 raise
             error = explained(problem, self.simulation, self.last_checkpoint,
-                              exploded.first_rise(self.account.passed))
+                              diagnostics.first_rise(self.account.passed))
         return self._close(error)
 
     def _open(self, first: bool) -> None:
@@ -254,8 +254,8 @@ class _Run:
         for line in self.account.news(self.simulation.time):
             self.progress.close()
             log.logger.warning(line)
-        if self.account.conservation is not None:
-            exploded.check(self.account.conservation, self.simulation.numerics.preset)
+        if self.account.diagnostics is not None:
+            self.account.diagnostics.check()
 
     def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
         """Write the lines of probes, after those of the step itself. Collective."""
