@@ -1,4 +1,4 @@
-"""Errors of a time series against a reference, and the noise of a pressure trace.
+"""Errors of a time series against a reference.
 
 Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s] increase. Nothing here is
 collective. A series that cannot be evaluated raises ValueError.
@@ -116,32 +116,6 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
     }
 
 
-def noise(time: Floats, pressure: Floats, window: tuple[float, float], smooth: float = 0.05) -> float:
-    """Return std(p - its moving mean) / mean(p) over a window of time: the noise of a pressure trace.
-
-    time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
-    window : (start, end) [s], outside which values have no influence
-    smooth : width of the moving mean [s], shortened at the ends of the window
-    """
-    t, p = cut(time, pressure, window)
-    mean = _area(t, p) / (t[-1] - t[0])
-    if mean <= 0.0:
-        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: "
-                         "noise relative to it has no meaning")
-    rough = p - _moving_mean(t, p, smooth)
-    average = _area(t, rough) / (t[-1] - t[0])
-    return float(np.sqrt(_area(t, (rough - average) ** 2) / (t[-1] - t[0])) / mean)
-
-
-def impulse(time: Floats, pressure: Floats, window: tuple[float, float]) -> float:
-    """Return the integral of the pressure over a window (start, end) [s]: [Pa s].
-
-    In the papers' units divide by rho g H sqrt(H/g).
-    """
-    t, p = cut(time, pressure, window)
-    return _area(t, p)
-
-
 def cut(time: Floats, value: Floats, window: tuple[float, float]) -> tuple[Floats, Floats]:
     """Return the series (k,) inside a window (start, end) [s], with interpolated samples at its ends.
 
@@ -183,11 +157,6 @@ def _moving_mean(t: Floats, p: Floats, width: float) -> Floats:
     low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
     mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
     return mean
-
-
-def _area(t: Floats, p: Floats) -> float:
-    """Return the integral of the piecewise linear function (t, p)."""
-    return float(np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2)
 
 
 def _integral(t: Floats, p: Floats, upto: Floats) -> Floats:
