@@ -15,7 +15,7 @@ from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
 from parisph.watch.probes.energy_probe import Energy
 from parisph.watch.probes.volume import Volume
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
@@ -89,7 +89,7 @@ class Conservation:
     def __init__(self, simulation: Simulation, state: Mapping[str, Any] | None = None,
                  start: Mapping[str, float | None] | None = None) -> None:
         case = simulation.case
-        self._scene = Scene.of(case)
+        self._scene = ProbeScene.of(case)
         self._energy = Energy(name="energy")
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
@@ -196,7 +196,7 @@ class Conservation:
             self.volume.add(s.time, found["volume"][0])
 
 
-def has_level(case: Case, scene: Scene) -> bool:
+def has_level(case: Case, scene: ProbeScene) -> bool:
     """Return whether the water is as wide as a tank at rest that is all its walls, under gravity straight down.
 
     Then its surface has a level, whose height is its volume over the width of the tank.
@@ -211,7 +211,7 @@ def has_level(case: Case, scene: Scene) -> bool:
     return bool(on_bed and np.allclose((lower[0], upper[0]), (scene.lower[0], scene.upper[0])))
 
 
-def _lowest(scene: Scene) -> float:
+def _lowest(scene: ProbeScene) -> float:
     """Return the least potential energy of a volume of fluid in the scene's box [J/m^3].
 
     The datum is that of the probe Energy.
@@ -219,7 +219,7 @@ def _lowest(scene: Scene) -> float:
     return scene.density * float(np.minimum(0.0, scene.gravity * (scene.lower - scene.upper)).sum())
 
 
-def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
+def _rest(case: Case, scene: ProbeScene) -> Callable[[float], float] | None:
     """Return the potential energy at rest as a function of the volume, or None if it is not defined.
 
     It is defined for a tank with vertical walls under gravity that points down. Particles represent the volumes

@@ -21,7 +21,7 @@ from parisph.io.reader import Run
 from parisph.kernels.closest import least_distance
 from parisph.watch import instruments
 from parisph.watch.probes.surface_gauge import SurfaceGauge
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 
 class Limit(NamedTuple):
@@ -116,7 +116,7 @@ class Diagnostics:
         self._noise = _noise(simulation)
         self._start = self._volume(simulation) + simulation.left.volume
         if self._gauges:
-            scene = Scene.of(case)
+            scene = ProbeScene.of(case)
             self._width, self._bed = float(scene.upper[0] - scene.lower[0]), float(scene.lower[-1])
             self._unit = math.sqrt(self._start / self._width / -float(scene.gravity[-1]))
         self._all = simulation.comm.allreduce(int(np.count_nonzero(simulation.particles.kind == FLUID)))
@@ -298,7 +298,7 @@ def _makes(case: Case) -> bool:
 
 def _across(case: Case) -> Sequence[SurfaceGauge]:
     """Return gauges across the water of an open tank whose level is known: gravity is down in its frame."""
-    scene = Scene.of(case)
+    scene = ProbeScene.of(case)
     if case.lidded or case.dim != 2 or case.lone_tank is None:
         return ()
     if scene.gravity[0] != 0.0 or not scene.gravity[-1] < 0.0:
@@ -313,5 +313,5 @@ def _noise(simulation: Simulation) -> float:
     """Return three standard deviations of the potential energy of a jittered start [J/m, J in 3D]. Collective."""
     n, case = simulation.numerics, simulation.case
     lift = n.jitter * n.spacing / math.sqrt(12.0)    # of an even distribution
-    weights = simulation.particles.volume * case.density * float(np.abs(Scene.of(case).gravity).max())
+    weights = simulation.particles.volume * case.density * float(np.abs(ProbeScene.of(case).gravity).max())
     return 3.0 * lift * math.sqrt(simulation.comm.allreduce(float((weights**2).sum())))

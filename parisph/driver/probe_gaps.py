@@ -6,7 +6,7 @@ from parisph.base.arrays import Flags
 from parisph.case.schema import Case
 from parisph.io.reader import Run
 from parisph.truth.recorded import probe_records
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 
 def gaps(case: Case, run: Run) -> dict[str, str]:
@@ -16,7 +16,7 @@ def gaps(case: Case, run: Run) -> dict[str, str]:
     gauges whose surface was above the walls. Probes in arrays are named as in "gauges.x1".
     """
     found = {}
-    scene = Scene.of(case)
+    scene = ProbeScene.of(case)
     for record in probe_records(case, run, lambda probe: True):
         if not record.columns or not len(record.table):
             continue

@@ -36,7 +36,7 @@ from parisph.parallel.domain import Domain
 from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
 from parisph.watch.passages import Passages
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 # {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D the ghosts of a
 # wider halo would be too many
@@ -391,13 +391,13 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
     """Return the method of the case, ready to start. Collective."""
     if isinstance(parts, CompressibleParts):
         return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case),
-                            Scene.of(case).gravity)
+                            ProbeScene.of(case).gravity)
     return Projection(flow, parts, petsc_options)
 
 
 def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
     """Return the Budget of the case, None if it has none."""
-    return Budget(case.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
+    return Budget(case.density, ProbeScene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
 def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:

@@ -17,7 +17,7 @@ from parisph.case.schema import Case
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch.passages import Passages
-from parisph.watch.sampling import Sampler, Scene, View
+from parisph.watch.sampling import ProbeScene, Sampler, View
 
 
 def build(case: Case, comm: Communicator) -> list[Sampler]:
@@ -27,7 +27,7 @@ def build(case: Case, comm: Communicator) -> list[Sampler]:
     """
     error, samplers = None, []
     try:
-        scene = Scene.of(case)
+        scene = ProbeScene.of(case)
         samplers = [Sampler(probe, scene) for probe in case.probes]
     except CaseError as problem:
         error = problem

@@ -9,7 +9,7 @@ from pydantic import Field
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.probes import Probe
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.watch.sampling import View
 
 
@@ -49,7 +49,7 @@ class Flux(Probe):
         ends = f"{point(self.start)} to {point(self.end)}"
         return f"Water that passes the line from {ends} m, positive from its left to its right"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         middle = tuple(0.5 * (a + b) for a, b in zip(self.start, self.end))
         yield from list(probe_checks.line(case, self.start, self.end)) or probe_checks.inside(
             case, "the middle of the line", [middle, self.start, self.end])

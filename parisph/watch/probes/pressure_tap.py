@@ -12,12 +12,12 @@ from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import Plate
 from parisph.case.probes import WIDTH, Measure, OfPressure
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.geometry.distance import area_vectors, nearest, unit_normals
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places
 from parisph.geometry.solid import Wall, in_fluid
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 FACING = 1e-6   # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
@@ -72,7 +72,7 @@ class PressureTap(OfPressure):
         disc = "" if self.diameter is None else f", mean over a disc of {self.diameter:g} m"
         return f"Pressure on the wall at {point(self.at)} m{disc}"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         """See Probe. Whether it lies on a wall is for `misplaced`."""
         if case.walls is None:
             yield "a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
@@ -115,8 +115,8 @@ class PressureTap(OfPressure):
         if values[0, 0] > 0.0:
             yield "emptied", np.abs(values[0]) <= DRY * np.nanmax(np.abs(values[0]))
 
-    def begin(self, scene: Scene) -> "Tap":
-        return Tap(self, scene) if self.diameter is None else Disc(self, scene)
+    def begin(self, scene: ProbeScene) -> "Tap":
+        return Tap(self, scene) if self.diameter is None else DiscTap(self, scene)
 
 
 class Tap(Measure):
@@ -125,7 +125,7 @@ class Tap(Measure):
     The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts.
     """
 
-    def __init__(self, probe: PressureTap, scene: Scene) -> None:
+    def __init__(self, probe: PressureTap, scene: ProbeScene) -> None:
         self.probe, self.scene, self.at = probe, scene, np.array(probe.at)
         self.radius = max(scene.spacing, probe.radius or RADIUS * scene.spacing)
         now = scene.now
@@ -165,13 +165,13 @@ class Tap(Measure):
         return (fitted_at_tap(sums, 1 + np.count_nonzero(~self.across)),)
 
 
-class Disc(Tap):
+class DiscTap(Tap):
     """Mean of the pressure over the disc of a sensor, whose chords weight the places along the wall (2D).
 
     Between wall particles the pressure is linear; the integral is exact.
     """
 
-    def __init__(self, probe: PressureTap, scene: Scene) -> None:
+    def __init__(self, probe: PressureTap, scene: ProbeScene) -> None:
         super().__init__(probe, scene)
         if scene.dim != 2:
             raise CaseError(f"probe {probe.name!r}: the disc of a sensor exists in 2D only; leave out diameter")

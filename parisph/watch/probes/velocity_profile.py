@@ -10,7 +10,7 @@ from parisph.base.arrays import Floats
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.probes import Point
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.geometry.probe_places import Places
 from parisph.watch.points import AtPoints
 
@@ -37,7 +37,7 @@ class VelocityProfile(AtPoints):
     def title(self, scene: Any) -> str:
         return f"Velocity and pressure at {self.points} points from {point(self.start)} to {point(self.end)} m"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         return probe_checks.line(case, self.start, self.end)
 
     def misplaced(self, places: Places) -> Iterator[str]:

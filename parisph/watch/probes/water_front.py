@@ -8,7 +8,7 @@ from pydantic import Field
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
 from parisph.watch.gauges import BED, BED_GAP, ROUNDING, bodies, bodies_of_all, body_rows
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 
 class WaterFront(Probe):
@@ -27,7 +27,7 @@ class WaterFront(Probe):
 
     kind: Literal["water_front"] = Field(default="water_front", init=False)
 
-    def title(self, scene: Scene) -> str:
+    def title(self, scene: ProbeScene) -> str:
         return ("Position of the water's foremost particle along the bed" if scene.tank or scene.now is not None
                 else "Foremost position of the fluid")
 
