@@ -117,7 +117,9 @@ class Conservation:
     def content(self) -> dict[str, Any]:
         """Return the entries of summary.json. Not collective."""
         energy, volume, motion = self.energy, self.volume, self.motion
-        start, end, high = (self._without_rounding(value) for value in (motion.start, motion.now, motion.high))
+        nothing = ROUNDING * abs(energy.start or 0.0)    # what rounding leaves of the whole energy
+        start, end, high = (0.0 if value is not None and abs(value) <= nothing else value
+                            for value in (motion.start, motion.now, motion.high))
         change = None
         first, last = energy.start, energy.now
         if not self.driven and start is not None and start > 0.0 and first is not None and last is not None:
@@ -133,10 +135,6 @@ class Conservation:
                 "unit": self._energy.columns_in(self._scene)["total"]},
             "driven": self.driven,
         }
-
-    def _without_rounding(self, motion: float | None) -> float | None:
-        """Return an energy in motion, 0 if it is only what rounding leaves of the whole energy; None stays None."""
-        return 0.0 if motion is not None and abs(motion) <= ROUNDING * abs(self.energy.start or 0.0) else motion
 
     def passed(self) -> dict[str, str]:
         """Return {limit that was passed: the line that says so}. Not collective."""

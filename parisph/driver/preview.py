@@ -31,6 +31,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     expected = scales.expected(case)
     steps = estimated_steps(case, numerics, expected)
     seconds, basis = cost.seconds_per_step(numerics, count["all"])
+    step = f"{rounded(1e3 * seconds)} ms" if seconds < 1.0 else duration(seconds)
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
@@ -43,8 +44,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
         ("stages", ", ".join(precheck.stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
-        ("time", f"about {duration(steps * seconds)} on one rank, {_of_a_step(seconds)} a step (estimated "
-                 f"from {basis})"),
+        ("time", f"about {duration(steps * seconds)} on one rank, {step} a step (estimated from {basis})"),
         ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
@@ -129,7 +129,3 @@ def _waves(case: Case, expected: scales.Scales, steps: int) -> Iterator[tuple[st
                        f"{wave.depth:.3g} m ({wave.depth / s:.3g}), about "
                        f"{rounded(wave.period * steps / case.end_time)} steps "
                        f"{'while it travels its length' if alone else f'in a period of {wave.period:.3g} s'}")
-
-
-def _of_a_step(seconds: float) -> str:
-    return f"{rounded(1e3 * seconds)} ms" if seconds < 1.0 else duration(seconds)

@@ -144,9 +144,10 @@ class Simulation:
                              closed=case.lidded, elements=elements)
         self._made.append(self.domain)
         self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
+        budget = Budget(case.density, ProbeScene.of(case).gravity, parts.causes) if case.output.budget else None
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     Boundary(elements, s), self.timers, closed=case.closed,
-                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin if case.turns else None,
+                    budget=budget, viscosity=case.viscosity, spin=case.spin if case.turns else None,
                     absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
         if start is None:
             solid_walls.fill(case, flow)
@@ -393,11 +394,6 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
         return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case),
                             ProbeScene.of(case).gravity)
     return Projection(flow, parts, petsc_options)
-
-
-def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
-    """Return the Budget of the case, None if it has none."""
-    return Budget(case.density, ProbeScene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
 def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:

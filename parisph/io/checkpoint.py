@@ -135,7 +135,8 @@ def read(comm: Communicator, path: AnyPath) -> Checkpoint:
 
 
 def _read(comm: Communicator, path: Path) -> Checkpoint:
-    early = comm.bcast(_is_early(path) if comm.rank == 0 else None)
+    # beside the case of a run without an identity, files may have no digest
+    early = comm.bcast(_identity_beside(path) == "" if comm.rank == 0 else None)
     digest.check_together(comm, path, early)
     loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size, early))
     on_first(comm, f"read {path}", lambda: _check_place(path, loaded))
@@ -166,11 +167,6 @@ def _is_sound(comm: Communicator, path: Path) -> bool:
     except StoreError:    # on every rank
         return False
     return True
-
-
-def _is_early(path: Path) -> bool:
-    """Return whether a checkpoint is beside the case of a run without an identity, whose files may have no digest."""
-    return _identity_beside(path) == ""
 
 
 def _read_share(path: Path, rank: int, size: int, early: bool) -> Checkpoint:

@@ -65,7 +65,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
                     picture.set_layout_engine("none")
                 writer.grab_frame()
                 if line.due():
-                    line.show(_done(count + 1, len(pace.numbers), line.elapsed))
+                    made, frames = count + 1, len(pace.numbers)
+                    line.show(f"frame {made} of {frames}  {clock((frames - made) * line.elapsed / made)} left")
     except OSError as error:
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     except CalledProcessError as error:
@@ -83,10 +84,6 @@ def has_ffmpeg() -> bool:
     from matplotlib import animation
 
     return bool(animation.FFMpegWriter.isAvailable())
-
-
-def _done(count: int, frames: int, elapsed: float) -> str:
-    return f"frame {count} of {frames}  {clock((frames - count) * elapsed / count)} left"
 
 
 @dataclass(frozen=True)

@@ -133,7 +133,8 @@ def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequenc
         stored = to_json(made)
         own = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
         needed = (*(str(Path(part).resolve()) for part in parts), *own)
-        runs.append(PlannedRun(**vars(one), case=made, stored=stored, key=_key(stored, one.ranks), parts=needed))
+        key = hashlib.blake2b(f"{stored}\n{one.ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
+        runs.append(PlannedRun(**vars(one), case=made, stored=stored, key=key, parts=needed))
         for line in _faults(study, made, file.parent):
             problems.setdefault(line, one.described())
     if problems:
@@ -165,10 +166,6 @@ def code_version() -> str:
         found.update(f"{path.relative_to(root)}\n".encode())
         found.update(path.read_bytes())
     return f"{parisph.__version__}+{found.hexdigest()}"
-
-
-def _key(text: str, ranks: int) -> str:
-    return hashlib.blake2b(f"{text}\n{ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
 
 
 def _case(path: Path, one: Combination) -> Case:

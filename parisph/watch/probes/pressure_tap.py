@@ -79,10 +79,6 @@ class PressureTap(OfPressure):
         elif found := list(probe_checks.components(case, at=self.at)):
             yield from found
 
-    def _beside_a_corner(self) -> str:
-        return (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
-                "move it away from the corner, or give a smaller one")
-
     def misplaced(self, places: Places) -> Iterator[str]:
         """See Probe: it is on a wall, on the side of it where fluid comes."""
         mesh, walls, s = places.mesh, places.walls, places.spacing
@@ -107,7 +103,8 @@ class PressureTap(OfPressure):
         elif hidden:
             yield f"at = {self.at} is behind {hidden[0]}, where no fluid comes; move it"
         elif self.diameter is not None and not _on_face(mesh, element, foot[0], normal, 0.5 * self.diameter, s):
-            yield self._beside_a_corner()
+            yield (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
+                   "move it away from the corner, or give a smaller one")
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """See Probe: the water may leave it."""
