@@ -69,7 +69,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
                                                   f"was moved to {old}"))
-            return _Run(simulation, samplers, store, Account.new(), shown).go(signals, first=True)
+            return _Run(simulation, samplers, store, Account(), shown).go(signals, first=True)
 
 
 def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyPath | None = None,
@@ -122,8 +122,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                 store.notes.insert(0, (logging.INFO,
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
-            account = Account.resumed(saved.state) if saved else Account.new()
-            run = _Run(simulation, samplers, store, account, shown, saved.state if saved else None,
+            state = saved.state if saved else None
+            run = _Run(simulation, samplers, store, Account(state), shown, state,
                        folder if saved and elsewhere else None, saved.flows if saved else ())
             if saved and done:
                 run.saved_step, run.last_checkpoint = saved.step, found

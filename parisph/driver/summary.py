@@ -34,10 +34,12 @@ BODY = 0.05             # share of isolated particles, later, that is more than 
 class Account:
     """Collects the cost of a run, and what it conserves, over restarts.
 
-    Made by `Account.new` or `Account.resumed`.
+    state : of the checkpoint from which a run continues, None for a new run
     """
 
-    def __init__(self, before: dict[str, Any]) -> None:
+    def __init__(self, state: Mapping[str, Any] | None = None) -> None:
+        before: dict[str, Any] = state["account"] if state else {
+            "wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0}
         self.before = before
         self.wall, self.cpu = perf_counter(), process_time()
         self.fallbacks = 0
@@ -52,16 +54,6 @@ class Account:
         self.passed: dict[str, float] = dict(before.get("passed", {}))
         self._fluid = 0
         self._walls: int | None = None    # how many particles are on walls, from `start` on
-
-    @classmethod
-    def new(cls) -> "Account":
-        """Return the account of a new run."""
-        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0})
-
-    @classmethod
-    def resumed(cls, state: Mapping[str, Any]) -> "Account":
-        """Return the account of a run that continues from a checkpoint's state."""
-        return cls(state["account"])
 
     def start(self, simulation: Simulation, isolated: int = 0) -> None:
         """Measure energy and volume at the start of the run, or of this part of it. Collective.

@@ -118,13 +118,13 @@ def test_volume_of_a_thin_layer_is_said_to_be_unknown():
 def test_a_body_that_loses_its_surface_on_the_way_is_named(simulated):
     s = simulated(scene("dam_break", spacing=0.05))
     s.solve_start()
-    account = Account.new()
+    account = Account()
     account.start(s)
     report = s.advance()
     account.step(s, replace(report, isolated=2))
     assert not account.warnings()
     account.step(s, replace(report, isolated=20))
-    resumed = Account.resumed(json.loads(json.dumps(account.state(s))))
+    resumed = Account(json.loads(json.dumps(account.state(s))))
     resumed.start(s)
     for known in (account, resumed):
         (line,) = known.warnings()
@@ -231,7 +231,7 @@ def test_account_of_an_older_run_is_taken_up(simulated):
     """It knows volume and energy at the start alone."""
     s = simulated(column(0.3))
     s.solve_start()
-    account = Account.resumed({"account": {"wall": 1.0, "cpu": 1.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0,
+    account = Account({"account": {"wall": 1.0, "cpu": 1.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0,
                                            "energy": 2000.0, "volume": 1.0}})
     account.start(s)
     content = account.diagnostics.conservation.content()

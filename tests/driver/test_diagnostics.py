@@ -114,7 +114,7 @@ def test_energy_in_motion_is_judged_by_the_surface(simulated):
     """Particles that are moved inside change the whole energy, and no wave; a surface that rises does."""
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
-    account = Account.new()
+    account = Account()
     account.start(s)
     p = s.particles
     inside = (p.kind == FLUID) & (p.role != SURFACE)
@@ -136,7 +136,7 @@ def test_energy_in_motion_is_judged_by_the_surface(simulated):
 def test_a_restart_knows_what_was_seen(simulated):
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
-    account = Account.new()
+    account = Account()
     account.start(s)
     assert not account.warnings()
     two = np.flatnonzero(s.particles.kind == 0)[:2]
@@ -144,7 +144,7 @@ def test_a_restart_knows_what_was_seen(simulated):
     s.particles.x[two[1]] = s.particles.x[two[0]] + [0.01, 0.0]
     account.measure(s)
     s.particles.x[two[1]] = x
-    resumed = Account.resumed(json.loads(json.dumps(account.state(s))))
+    resumed = Account(json.loads(json.dumps(account.state(s))))
     resumed.start(s)
     for known in (account, resumed):
         (line,) = known.warnings()
