@@ -63,10 +63,7 @@ def _place(axes, labels, texts, left_out, lines, dots, renderer):
     box = axes.get_window_extent(renderer)
     inside = np.array([box.x0, box.y0, box.x1, box.y1]) + pixels * np.array([1.0, 1.0, -1.0, -1.0])
     along = _sampled([axes.transData.transform(line) for line in lines])
-    taken = []
-    if dots is not None and len(dots):
-        x = axes.transData.transform(dots)
-        taken = [*np.hstack([x - 2.5 * pixels, x + 2.5 * pixels])]
+    taken = [_around(x, 2.5 * pixels) for x in axes.transData.transform(dots)] if dots is not None and len(dots) else []
     left_out.set(text="")
     missing = _put(axes, labels, texts, inside, along, list(taken), pixels, renderer)
     if missing:
@@ -134,6 +131,10 @@ def _sampled(lines):
                 many = min(max(int(np.linalg.norm(b - a) / STEP), 1), 2000)
                 found.append(a + np.linspace(0.0, 1.0, many + 1)[:, None] * (b - a))
     return np.concatenate(found)
+
+
+def _around(x, size):
+    return np.array([x[0] - size, x[1] - size, x[0] + size, x[1] + size])
 
 
 def _overlap(a, b):

@@ -233,8 +233,7 @@ class FieldView:
 
     def _window(self, snapshots):
         """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
-        box = None if self.scene.wall_bounds is None else domain(self.scene)    # around all walls
-        spacing = self.case["numerics"]["spacing"]
+        box, spacing = self._walls_box(), self.case["numerics"]["spacing"]
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
         times = np.array([snapshot["time"] for snapshot in snapshots])
@@ -256,6 +255,10 @@ class FieldView:
         if not self.scene.lidded and high <= low + 0.7 * (top - low):
             top = min(top, low + 1.2 * (high - low))
         return np.array([(left, low), (right, low), (right, top), (left, top)])
+
+    def _walls_box(self):
+        """Return the lower and upper corner [m] of the box around all walls, None without any."""
+        return None if self.scene.wall_bounds is None else domain(self.scene)
 
     def _walls_to_fill(self, snapshot):
         """Return the wet wall particles, which have a pressure and fill the gap to the wall of s/2."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Optional, TypeVar
 from pydantic import AfterValidator, BeforeValidator, Field, field_validator, model_validator
 
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.study.measures import AnyMeasure, is_error, name_of
 
 # Parameters with a field of their own.
@@ -17,6 +17,9 @@ COLUMNS = (
 )
 
 
+Item = TypeVar("Item")
+
+
 def listed(values: object) -> object:
     """Return values for a field. Raises ValueError for a single value in place of a list."""
     if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
@@ -24,7 +27,7 @@ def listed(values: object) -> object:
     return values
 
 
-def each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
+def each_once(values: tuple[Item, ...]) -> tuple[Item, ...]:
     """Return values for a field. Raises ValueError if one is there twice."""
     for value in values:
         if values.count(value) > 1:
@@ -32,8 +35,7 @@ def each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
     return values
 
 
-Item = TypeVar("Item")
-Listed = Annotated[tuple[Item, ...], BeforeValidator(listed)]    # of which a single value in place of a list is refused
+Listed = Annotated[Several[Item], BeforeValidator(listed)]    # of which a single value in place of a list is refused
 Each = Annotated[Listed[Item], AfterValidator(each_once)]        # and a value that is given twice
 Positive = Annotated[float, Field(gt=0)]
 Whole = Annotated[int, Field(ge=0)]
@@ -143,7 +145,7 @@ class Study(Choices):
     errors: Listed[AnyMeasure] = ()
     required: Listed[Required] = ()
     others: Listed[OtherCodes] = ()
-    levels: dict[str, tuple[Positive, ...]] = Field(
+    levels: dict[str, Several[Positive]] = Field(
         default_factory=dict,
         description="errors at which costs are compared, each greater than 0, by the name of a measure")
     histories: Listed[str] = ()

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from parisph.base import text, vocabulary
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.patch.analytic import FIELD_OF, AnalyticField
 from parisph.study.definition import Each, Listed, Whole, each_once
 
@@ -62,8 +62,8 @@ class Histogram(Model):
 
     spacing: Spacing = Field(description="spacing")
     jitter: Jitter = Field(description="disorder k")
-    edges: Annotated[tuple[Annotated[float, Field(ge=0)], ...], AfterValidator(_some)] = Field(
-        tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
+    edges: Annotated[Several[Annotated[float, Field(ge=0)]], AfterValidator(_some)] = Field(
+        default=tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
 
     @model_validator(mode="after")
     def _increases(self) -> "Histogram":
