@@ -15,8 +15,6 @@ OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "s
 COLUMNS = (
     "cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived",
 )
-
-
 Item = TypeVar("Item")
 
 
