@@ -16,14 +16,10 @@ STRETCH = 0.15  # of a spacing, by which the step along one axis may make up for
 class Lattice:
     """Points origin + step * index.
 
-    Parameters
-    ----------
     shape : Box, Disc or Polygon
-    tank : Tank or None
     spacing : [m]
 
-    Attributes
-    ----------
+    Attributes:
     origin, step : (dim,) [m]
     first, counts : (dim,) int64, least index and number of points of the smallest block that holds the fluid
     top : (dim,) int64 index of the tank's far corner, or None without a tank

@@ -24,8 +24,6 @@ LISTS = {"forces": "force", "regularisers": "regulariser"}
 class Numerics(Model):
     """Method, resolution and time step. Fields that are None take the preset's value.
 
-    Attributes
-    ----------
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
     time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
@@ -66,8 +64,6 @@ class Numerics(Model):
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
     seed : seed of the jitter
 
-    Examples
-    --------
     >>> Numerics(spacing=0.02).resolved().cfl    # from the preset "violent"
     0.8
     >>> waves = Numerics(spacing=0.02, preset="gentle", time_step=0.002, jitter=0.2, seed=1)
@@ -241,8 +237,6 @@ class Output(Model):
         times, interpolated linearly in time between steps
     budget : whether steps.csv also has the energy that the fluid gained by each part of the step
 
-    Examples
-    --------
     >>> Output(every=0.05, times=(0.012,), fields=("u", "p"), probe_interval=0.001).fields
     ('u', 'p')
     """

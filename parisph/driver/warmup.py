@@ -32,9 +32,7 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     make : Simulation, as a function (case, comm) -> Simulation
     case, numerics : the scene whose kernels are needed
 
-    Raises
-    ------
-    ParisphError on every rank: something else failed on rank 0, such as the compiler.
+    Raises ParisphError on every rank: something else failed on rank 0, such as the compiler.
     """
     problem = None
     if comm.rank == 0:

@@ -33,8 +33,6 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
 
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
-    Parameters
-    ----------
     run : Run, or the folder of one
     path : file to write
     field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
@@ -43,8 +41,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
 
-    Raises
-    ------
+    Raises:
     CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
@@ -71,7 +68,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
                     picture.set_layout_engine("none")
                 writer.grab_frame()
                 if line.due():
-                    line.show(_done(count + 1, len(pace.numbers), line.elapsed))
+                    made, frames = count + 1, len(pace.numbers)
+                    line.show(f"frame {made} of {frames}  {clock((frames - made) * line.elapsed / made)} left")
     except OSError as error:
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     except CalledProcessError as error:
@@ -91,16 +89,10 @@ def has_ffmpeg() -> bool:
     return bool(animation.FFMpegWriter.isAvailable())
 
 
-def _done(count: int, frames: int, elapsed: float) -> str:
-    return f"frame {count} of {frames}  {clock((frames - count) * elapsed / count)} left"
-
-
 @dataclass(frozen=True)
 class Pace:
     """The speed of an animation.
 
-    Attributes
-    ----------
     fps : frames per second
     slow : how many times slower than in nature; None for a single frame
     numbers : (frames,) int, the snapshot in each frame, which is the nearest in time

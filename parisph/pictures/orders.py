@@ -25,8 +25,6 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
 
     For one run without time, peak, field and probes: the whole run on one page.
 
-    Parameters
-    ----------
     runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot, with a warning on standard error for a time outside the run; the last
         snapshot if only `field` is given
@@ -36,8 +34,7 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
     out : file to write; None: files in the folder of the (first) run, named after what they show
     normalise, look : see view.Look; None for a default
 
-    Raises
-    ------
+    Raises:
     CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
     quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be written
     """

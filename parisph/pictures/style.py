@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 class PlottedQuantity:
     """A quantity that pictures can show.
 
-    Attributes
-    ----------
     needs : name in the field registry
     of : function of that array (n, ...) -> (n,)
     symbol, unit : for the colour bar
@@ -120,8 +118,6 @@ def check_colours(name: str | None) -> None:
 class SceneUnits:
     """The units of a scene; None for those that it does not have.
 
-    Attributes
-    ----------
     length : height H of the fluid at the start [m], the depth of still water
     time : sqrt(H/g) [s]; speed : sqrt(g H) [m/s]; pressure : rho g H [Pa]
     """

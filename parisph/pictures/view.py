@@ -34,8 +34,6 @@ ABOVE = 1.5    # order of particles: above solids, so that a particle in a wall 
 class Look:
     """The content and style of pictures of the flow.
 
-    Attributes
-    ----------
     field : "pressure", "speed", "velocity_x", "velocity_y", "vorticity", "density_ratio" or "role"
     surface : whether particles on the free surface, and ballistic ones, are marked with rings
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
@@ -44,9 +42,7 @@ class Look:
     zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
     frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
 
-    Raises
-    ------
-    CaseError : unknown quantity or colour map; limits or zoom not in order, or not possible for the field
+    Raises CaseError: unknown quantity or colour map; limits or zoom not in order, or not possible for the field
     """
 
     field: str = "pressure"
@@ -83,16 +79,13 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
     The colours end at the greatest value in the picture, of the fluid or of a wet wall.
 
-    Parameters
-    ----------
     run : Run, or the folder of one
     which : number of the snapshot (int, negative from the end), time [s] of the nearest one (float), or a snapshot
         (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords
     path : file to write (.png, .pdf, ...), or None
 
-    Raises
-    ------
+    Raises:
     CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
     StoreError : no such snapshot, or the quantity was not written
     """

@@ -5,21 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    ColumnHeight,
-    Energy,
-    Fluid,
-    Numerics,
-    PressureTap,
-    Roll,
-    SurfaceGauge,
-    Tank,
-    VelocityPoint,
-    WaterFront,
-)
+from parisph import Case, ColumnHeight, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, VelocityPoint, WaterFront
+from parisph.base.errors import CaseError
+from parisph.case.motion import Roll
+from parisph.case.shapes import Box, Tank
 from parisph.pictures import curves, style
 from tests.stored import stored
 

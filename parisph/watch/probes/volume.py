@@ -19,8 +19,6 @@ class Volume(Probe):
     of another shape may start with other cells. Inside means: inner particles farther than 2.1 spacings from every
     surface and ballistic particle; nan if there are none.
 
-    Examples
-    --------
     >>> Volume("volume", every=10).every
     10
     """
