@@ -15,7 +15,7 @@ USUAL: dict[str, Any] = {
     "gamma": 0.0,
     "strain": 1.0,
     "kappa": 0.8,            # tuned 0.4 to 1.6: greatest weight of the position projection; measured
-    "kappa_strain": 56.0,    # tuned 28 to 112: the same over the strain of a step; measured
+    "kappa_strain": 56.0,    # tuned 28 to 112: weight of the projection over the strain of a step; measured
     "collision_distance": 0.7,    # tuned 0.35 to 1: distance of pairs that collide, in spacings; judged
     "restitution": 0.2,      # tuned 0.1 to 0.4: of these collisions; judged
     "wall_guard": 0.25,      # tuned 0.125 to 0.5: distance from a wall that particles keep, in spacings; judged
@@ -34,7 +34,7 @@ _GENTLE: dict[str, Any] = {
     # With half of these, surface particles crowd before a flap, and pairs of them end a run: H/d = .1, d/s = 16, in
     # period 26, with these none is closer than .56 s in 40. A standing wave loses no more by it.
     "shift": 0.4,    # tuned 0.2 to 0.8: greatest weight of the even shift; measured
-    "shift_strain": 56.0,    # tuned 28 to 112: the same over the strain of a step; measured
+    "shift_strain": 56.0,    # tuned 28 to 112: weight of the even shift over the strain of a step; measured
     "filter": 0.5,    # tuned 0.25 to 1: part of the roughness that is removed over sqrt(s/a); measured
     "filter_strain": 0.0,
     "surface_rule": "gap",
@@ -58,9 +58,9 @@ PRESETS: dict[str, dict[str, Any]] = {
         "residual_strain": 100.0,    # tuned 50 to 200: residual divergence removed over the strain of a step; measured
         "volume_time": 0.0,
         "shift": 0.2,    # tuned 0.1 to 0.4: greatest weight of the Fick shift; measured
-        "shift_strain": 28.0,    # tuned 14 to 56: the same over the strain of a step; measured
+        "shift_strain": 28.0,    # tuned 14 to 56: weight of the Fick shift over the strain of a step; measured
         "filter": 0.1,    # tuned 0.05 to 0.2: greatest part of the roughness that a step removes; measured
-        "filter_strain": 1.4,    # tuned 0.7 to 2.8: the same over the strain of a step; measured
+        "filter_strain": 1.4,    # tuned 0.7 to 2.8: fraction of roughness over the strain of a step; measured
         "surface_rule": "gap",
         "surface_offset": 0.6,    # tuned 0.3 to 1: distance of p = 0 from full surface particles, in layers; measured
         "pressure_mean": 1.0,    # tuned 0.5 to 2: time of means of pressure probes; measured

@@ -18,7 +18,7 @@ from parisph.kernels.records import Cloud
 LAYER = 1.5     # tuned 0.75 to 3: spacings from a wall to the end of the first layer; judged
 # Where fluid is pressed together along the wall:
 FAR_BEFORE = 2.0    # tuned 1 to 4: spacings to the end of the fluid that stands for its half cells; judged
-PRESSED = 2.0       # tuned 1 to 4: how many half cells there are, at most; judged
+PRESSED = 2.0       # tuned 1 to 4: how many half cells pressed fluid stands for at most; judged
 
 
 @kernel

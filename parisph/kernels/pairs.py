@@ -9,7 +9,7 @@ from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
 # between the line of a pair and the direction in which it parts
-TILT = math.pi / 6.0    # tuned 3 to 12: pi over that angle; judged
+TILT = math.pi / 6.0    # tuned 3 to 12: pi over the angle between a pair and the direction in which it parts; judged
 
 
 @inlined

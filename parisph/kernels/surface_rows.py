@@ -11,13 +11,13 @@ from parisph.kernels.smoothing import quartic_weight
 
 # Of a cell: up to the first a particle lies on the surface, from the second on it stands for a full one. Half a cell
 # beside a wall, 3/2 spacings wide, is 3/4 of one. Where layers do not divide the depth, all shares are larger.
-HALF = 0.81     # tuned 0.76 to 0.86: cell up to which it lies on the surface; judged
-FULL = 0.86     # tuned 0.81 to 0.99: cell from which on it stands for a full one; judged
+HALF = 0.81     # tuned 0.76 to 0.86: part of a cell up to which a particle lies on the surface; judged
+FULL = 0.86     # tuned 0.81 to 0.99: part of a cell from which on a particle stands for a full one; judged
 # spacings, of the distance of the two last layers
-THIN = 0.3      # tuned 0.15 to 0.6: least; judged
-THICK = 1.5     # tuned 1 to 3: largest; judged
+THIN = 0.3      # tuned 0.15 to 0.6: least distance of the two last layers; judged
+THICK = 1.5     # tuned 1 to 3: largest distance of the two last layers; judged
 FIRST, SECOND = 1.05, 2.3    # of a parabola for that distance, fitted on lattices: `_layer`
-LEAST = 0.5     # tuned 0.25 to 1: spacings, of the mean depth of the neighbours, about one if orderly; judged
+LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
 
 
 @kernel

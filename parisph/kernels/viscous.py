@@ -23,7 +23,7 @@ from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 # Largest nu dt/s^2 of an explicit step of either form, with nu the largest viscosity, h = 1.3 s and radius = 2.6 s.
 # Eigenvalues between no-slip walls allow, in 2D (3D), 0.6 (0.57) for morris and 0.83 (0.7) for corrected on a lattice,
 # and 0.47 and 0.62 in 2D with jitter 1.2.
-STABLE = 0.4    # tuned 0.2 to 0.8: that number; measured
+STABLE = 0.4    # tuned 0.2 to 0.8: largest nu dt/s^2 of an explicit step; measured
 
 STRETCH = 3.0       # of squares in units of the radius, so that they are about as large as the coordinates
 

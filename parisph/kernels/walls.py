@@ -11,9 +11,9 @@ from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 
 # Below this value of det/(trace/dim)^dim the neighbours of a wall particle lie on a line.
-FLAT = 4.0e-3     # tuned 0.002 to 0.008: that value; judged
+FLAT = 4.0e-3     # tuned 0.002 to 0.008: det/(trace/dim)^dim below which wall neighbours lie on a line; judged
 # A diagonal below this part of 1/radius means that hardly any neighbour lies inwards.
-INWARDS = 0.05    # tuned 0.025 to 0.1: that part; judged
+INWARDS = 0.05    # tuned 0.025 to 0.1: least diagonal of a wall row, times the radius; judged
 
 
 @kernel

@@ -15,7 +15,7 @@ TOUCH = 0.55    # tuned 0.275 to 1: fluid as near to a wall touches it; the guar
 MOVING = 1e-3   # tuned 0.0005 to 0.002: what moves by less in a step rests; judged
 BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to the fluid in front of it; judged
 # Fluid of the first LAYER in front of a wall particle covers it.
-FAR = 2.5       # tuned 1.6 to 5: fluid as far away does not cover it; judged
+FAR = 2.5       # tuned 1.6 to 5: fluid as far in front of a wall particle does not cover it; judged
 FELT = 0.75     # tuned 0.5 to 1.5: fluid as near to a wall particle feels its friction, wet or not; judged
 NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind a water line that moves on along the wall; judged
 NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next ones on its wall, or beyond a corner; judged
@@ -189,7 +189,7 @@ def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
 def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    Wet: it closes the fluid off (closing_walls), an inner fluid particle is INSIDE, and there is fluid on
+    Wet: it closes the fluid off (closing_walls), an inner fluid particle is nearer than INSIDE, and there is fluid on
     both sides along the wall, or beside a corner the other wall instead (in the corner itself the inner particle is
     enough). Contact: not wet, with a surface particle beside it. Roles of fluid are read, those of owned walls written.
 

@@ -20,20 +20,20 @@ CAP = 0.1    # tuned 0.05 to 0.2: longest move of the position projection and of
 LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way; judged
 # Mean density error around a particle below which calm fluid has a void. Waves have errors of up to .023 in phase with
 # them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with a = .05 d), and disorder of .4 has .02.
-VOID = 0.025    # tuned 0.0125 to 0.05: that error; measured
+VOID = 0.025    # tuned 0.0125 to 0.05: mean density error of a void, below which calm fluid has one; measured
 NEAR_SURFACE = 2.0    # tuned 1 to 4: spacings from a surface particle within which a shift knows the surface; judged
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN = 0.7    # tuned 0.35 to 1: pairs of inner particles that turn; judged
 TURN = 0.05     # tuned 0.025 to 0.1: by how much they turn at the full strength of the shift; judged
 # A lattice collapses within a few long steps, in which the shift has its full strength
-TURNS = 3.0     # tuned 1.5 to 6: times that, at most; measured
+TURNS = 3.0     # tuned 1.5 to 6: largest part of that turn in a step of full strength; measured
 PART_WITHIN = 0.6    # tuned 0.3 to 1: pairs without pressure that part; judged
-PART = 0.5      # tuned 0.25 to 1: fraction of what is missing by which they part; judged
+PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which such pairs part; judged
 CLOSE = max(TURN_WITHIN, PART_WITHIN)
 APART = 0.45    # tuned 0.225 to 0.9: distance that all pairs are brought to; judged
-SWEEPS = 8      # tuned 4 to 16: sweeps that do so, at most; judged
-SWEEP = 0.15    # tuned 0.075 to 0.3: longest move in one of them; judged
+SWEEPS = 8      # tuned 4 to 16: sweeps that part all pairs, at most; judged
+SWEEP = 0.15    # tuned 0.075 to 0.3: longest move in one of these sweeps; judged
 # Distance of the pairs that the sweeps look at. Those farther apart, or in one place, are left to the next step.
 WATCHED = APART + 3.0 * SWEEP
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient, and fluid is one layer
-SPAN = 0.05    # tuned 0.025 to 0.1: floor of that moment; judged
+SPAN = 0.05    # tuned 0.025 to 0.1: floor of the neighbours' moment for a velocity gradient; judged
 DOUBT = 0.02   # tuned 0.01 to 0.04: density error near the surface that is disorder in calm fluid; judged
 RAPID = 0.15   # tuned 0.075 to 0.3: rate of strain, over sqrt(a/s), at which flow is half rapid; judged
 REST = 0.005   # tuned 0.0025 to 0.01: rate of strain, over sqrt(a/s), below which fluid is as good as at rest; judged
