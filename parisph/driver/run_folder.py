@@ -96,7 +96,8 @@ def check_run(folder: Path, path: AnyPath) -> None:
         if Path(path).is_file():
             checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
             raise StoreError(f"{path} is not in the folder of a run: give a folder to continue in with -o DIR")
-        raise StoreError(f"{path} holds no run to continue: it has neither case.json nor a checkpoint")
+        raise StoreError(f"{path} holds no run to continue: it has neither case.json nor a checkpoint; "
+                         "start one with parisph run")
     identity(folder)    # says what is wrong with case.json
     _check_writable(folder)
 

@@ -327,7 +327,7 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray
         p[a] = cloud.x[i, a]
     found = 0
     for turn in range(len(axes)):
-        best, in_front = math.inf, False
+        best, in_front, alone = math.inf, False, False
         for k in range(walls.indptr[i], walls.indptr[i + 1]):
             e = walls.indices[k]
             squarely = nearest_point(foot, p, e, corners, axes)
@@ -340,12 +340,17 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray
             front = height > 0.0 or (not squarely and height > -1e-9 * math.sqrt(apart2))
             if turn > 0 and (not front or _is_like(n, found, away, axes)):
                 continue
-            if apart2 < best * (1.0 - 1e-9) or (front and not in_front):
+            nearer = apart2 < best * (1.0 - 1e-9)
+            alone = nearer and not squarely
+            if nearer or (front and not in_front):
                 best, in_front = apart2, front
                 member[found] = e
                 _note(away, found, places, math.sqrt(apart2), front, squarely, axes)
         if best == math.inf:
             break
+        if alone and not in_front:    # beyond an edge that no other element shares, as the rim of a tank
+            nearest_point(foot, p, member[found], corners, axes)
+            _note(away, found, places, math.sqrt(best), True, False, axes)
         found += 1
     return found
 

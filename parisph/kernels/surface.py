@@ -79,8 +79,9 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
                    gap: Gap) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
-    A particle with fewer than FEW neighbours within the radius is always on it. Of an element that is present, the
-    point nearest to the particle counts as a neighbour. Kind ABSENT is left out.
+    A particle with fewer than FEW neighbours within the radius is always on it. An element that is present
+    counts as the reflection of the particle in it would: in the direction of its nearest point, twice as far away. Kind
+    ABSENT is left out.
 
     role : output for owned fluid; was : role at the previous step (owned and ghost); alpha : (n_owned,)
     """
@@ -104,7 +105,7 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
             place[0], place[1] = cloud.x[i, 0], cloud.x[i, 1]
             nearest_point(foot, place, e, walls.corners, cloud.axes)
             dx, dy = foot[0] - cloud.x[i, 0], foot[1] - cloud.x[i, 1]
-            if walls.present[e] > 0.0 and 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
+            if walls.present[e] > 0.0 and 0.0 < 4.0 * (dx * dx + dy * dy) < radius2 and n < len(angles):
                 angles[n] = math.atan2(dy, dx)
                 n += 1
         if n < FEW or _largest_gap(angles, n) > limit:

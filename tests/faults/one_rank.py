@@ -137,8 +137,10 @@ def _carried_out(folder):
 
 
 def _finish(folder, what):
-    done = parisph("restart", "run", "-q", cwd=folder, timeout=SECONDS)
+    begun = (folder / "run" / "case.json").exists()    # else it failed while the scene was built
+    arguments = ["restart", "run"] if begun else ["run", "case.py", "-o", "run"]
+    done = parisph(*arguments, "-q", cwd=folder, timeout=SECONDS)
     if done.returncode != 0:
-        return f"{what}: restart ends with {done.returncode}: {done.stderr[-1000:]}"
+        return f"{what}: {arguments[0]} ends with {done.returncode}: {done.stderr[-1000:]}"
     status = reader.open_run(folder / "run").summary["status"]
-    return None if status == "completed" else f"{what}: status {status} after the restart"
+    return None if status == "completed" else f"{what}: status {status} after the {arguments[0]}"

@@ -26,6 +26,7 @@ from parisph import (
 )
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID, SURFACE, WALL
+from parisph.driver.solid_walls import elements_of
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.particles import Particles
 from parisph.watch import instruments
@@ -138,10 +139,14 @@ def test_ranks_without_particles_take_part(comm):
     alone = Watch(case, MPI.COMM_SELF, pressed)
     mine = slice(None if comm.rank == comm.size - 1 else 0)  # all of them on the last rank
     p = Particles(comm, 2)
-    p.assign({name: getattr(alone.particles, name)[mine] for name in ("id", "kind", "x", "u", "volume", "p", "role")})
+    p.assign({name: getattr(alone.particles, name)[mine] for name in alone.particles.fields})
     radius = alone.domain.radius
     indptr, indices = neighbour_lists(p.x_all, p.n_owned, radius)
-    domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, elements=None, update=lambda *names: None)
+    elements = elements_of(case, p)
+    elements.settle(p, radius)
+    elements.renew(p, radius)
+    elements.look(p, radius, indptr, indices)
+    domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, elements=elements, update=lambda *n: None)
     found, truth = instruments.sample_all(alone.samplers, p, domain, 0.0), alone.sample()
     assert p.n_owned == (alone.particles.n_owned if comm.rank == comm.size - 1 else 0)
     for name in truth:

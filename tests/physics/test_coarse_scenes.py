@@ -15,7 +15,7 @@ from tests.scenes import made_motion, scene
 COARSE = {
     "dam_break": {"spacing": 0.05, "end_time": 0.6},
     "dam_break_box": {"spacing": 0.0146, "end_time": 0.12},
-    "dam_break_lobovsky": {"spacing": 0.1, "distance": 5.4, "end_time": 2.6},
+    "dam_break_lobovsky": {"spacing": 0.08, "distance": 5.4, "end_time": 2.6},
     "dam_break_sill": {"spacing": 0.05, "end_time": 0.2},
     "dam_break_zhou": {"spacing": 0.1, "distance": 5.4, "end_time": 1.0},
     "free_drop": {"spacing": 0.1, "end_time": 0.3},

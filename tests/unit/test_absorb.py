@@ -65,7 +65,8 @@ def test_alone_it_is_the_implicit_step_and_pays_what_it_changes(dt):
     rng = np.random.default_rng(3)
     u, rate, target = rng.normal(size=(5, 2)), rng.uniform(0.0, 30.0, 5), rng.normal(size=(5, 2))
     p = SimpleNamespace(x_all=u, u_all=u, n_owned=5, volume=rng.uniform(0.5, 1.0, 5))
-    flow = SimpleNamespace(particles=p, dt=dt, density=1000.0, absorb=lambda x, t: (rate, rate[:, None] * target))
+    flow = SimpleNamespace(particles=p, step=SimpleNamespace(dt=dt), density=1000.0,
+                           absorb=lambda x, t: (rate, rate[:, None] * target))
     out = np.zeros((5, 2))
     Absorption().add(out, flow, 0.0)
     r = (dt * rate)[:, None]

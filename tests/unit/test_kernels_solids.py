@@ -152,6 +152,16 @@ def test_ahead_of_a_tip_only_the_tip_counts(at):
     assert wall[1] == pytest.approx(np.linalg.norm(away))
 
 
+def test_beyond_an_edge_that_no_other_element_shares_only_the_edge_counts():
+    """Water over the rim of a tank is not drawn back into it; behind a corner it is."""
+    side = np.array([[[0.0, 0.5], [0.0, 0.0]], [[0.0, 1.0], [0.0, 0.5]]])    # the left side, fluid to its right
+    (wall,), = walls_of([(-0.03, 1.04)], side)
+    np.testing.assert_allclose(wall[0], (-0.6, 0.8), atol=1e-9)
+    assert wall[1] == pytest.approx(0.05)
+    corner = np.array([[[0.0, 1.0], [0.0, 0.0]], [[0.0, 0.0], [1.0, 0.0]]])
+    assert all(apart < 0.0 for _, apart in walls_of([(-0.03, -0.04)], corner)[0])
+
+
 def test_moves_end_at_the_distance_from_the_wall():
     corners = block(20, 20)
     x = np.array([(0.5, 0.04), (0.03, 0.03), (0.5, 0.02), (0.5, 0.5)])
