@@ -11,7 +11,7 @@ from tests.launch import ROOT
 PAGE = ROOT / "parisph" / "methods" / "CONSTANTS.md"
 TABLE = "| name | value | range | what it is | source | effect |\n|---|---|---|---|---|---|"
 SCATTERS = 2.0       # standard errors of a mean of starts, from which on an effect is shown
-CERTAIN = 4.0        # the same from which on it is no chance: each number is judged by some thirty comparisons
+CERTAIN = 5.0        # the same from which on it is hardly chance: each number is judged by some twenty comparisons
 CHANGE = 0.05        # of a measure of a scene with one start, from which on an effect is shown
 ROUNDING = 1e-6      # part of a measure: a smaller change is none
 HEAD = """\
@@ -23,8 +23,8 @@ in the sources and from what `python -m tests.constants study` has found.
 
 The scenes are {scenes}. An effect is a failure, or a measure whose mean differs by more than {scatters:g} standard \
 errors from that of twelve starts of the unchanged code (these are in brackets), or by more than {change:.0%} in the \
-standing wave. By chance, an unchanged code would show one of less than {certain:g} for most numbers: such are marked \
-"perhaps". The strongest two are given. "unused" means that nothing changes in any digit. {count} numbers.
+standing wave. By chance, a number without any effect shows one of less than {certain:g} in three cases of four: such \
+are marked "perhaps". In one case of twenty it shows a greater one. The strongest two are given. "unused" means that nothing changes in any digit. {count} numbers.
 """
 
 

@@ -71,7 +71,7 @@ def test_an_effect_is_what_chance_does_not_explain():
     same = {"dam": starts[:3], "wave": [{"error": 1.0}]}
     assert words(same, same) == "none, unused"
     assert words(same, {"dam": starts[1:4], "wave": [{"error": 1.04}]}) == "none"
-    assert words({"wave": [{"error": 1.2}]}, same) == "half (1): standing wave: error 1 to 1.2 (16.0)"
+    assert words({"wave": [{"error": 1.2}]}, same) == "half (1): standing wave: error 1 to 1.2 (20.0)"
     assert words(same, {"dam": [{"P2": 1.15}] * 3}) == "double (4): perhaps dam break: P2 1 to 1.15 (2.7)"
     assert words(same, {"dam": ["SolverDiverged: fast", *starts[:2]]}) == "double (4): dam break fails (1 of 3)"
     assert page.effect(one, {}) == "not measured"
