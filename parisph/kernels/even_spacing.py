@@ -10,7 +10,7 @@ from parisph.kernels.records import Cloud
 
 # Radius of the neighbours that push, in spacings: those of the next layers, but not of the ones behind them, so that
 # nothing is missing around the particles of the second layer.
-REACH = 1.9
+REACH = 1.9    # tuned 1 to 2.6: radius of the neighbours that push, in spacings; judged
 # The push of all neighbours over the displacement of a lone particle, in spacings: 1.60 of a line, 1.67 of the square
 # lattice. Of the cubic one 1.96, so that a move there is 1.19 times as long.
 STIFFNESS = 1.65

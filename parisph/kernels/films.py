@@ -3,15 +3,16 @@
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE, WALL
+from parisph.kernels.halves import LAYER
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import invert
 from parisph.kernels.near import height, room_for
 from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import quartic_weight
 
-DEEPEST = 1.5    # spacings from the wall: farther away there is room for a second layer
-CALM = 0.1       # speed along the wall over sqrt(f s), with the force f into it, from which on nothing is changed;
-# with .5, P2 of dam breaks scatters more
+# with the force f into the wall; with .5, P2 of dam breaks scatters more
+CALM = 0.1    # tuned 0.05 to 0.2: speed along the wall over sqrt(f s) from which on films flow unchanged; judged
+FLAT = 0.5    # tuned 0.25 to 1: part of the trace across the wall from which on neighbours are no layer; judged
 
 
 @kernel
@@ -62,7 +63,7 @@ def settle(change: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, r
 
 @inlined
 def _wall_below(i, cloud, force):
-    """Return the nearest wall particle on which the force holds particle i, -1 if there is none nearer than DEEPEST."""
+    """Return the nearest wall particle on which the force holds particle i, -1 if there is none in the first layer."""
     x, normal, axes = cloud.x, cloud.normal, cloud.axes
     nearest, found = np.inf, -1
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
@@ -73,7 +74,7 @@ def _wall_below(i, cloud, force):
         for a in range(len(axes)):
             held -= force[i, a] * normal[j, a]
             r2 += (x[j, a] - x[i, a]) ** 2
-        if held > 0.0 and r2 < nearest and 0.0 < height(i, j, x, normal, axes) < DEEPEST * cloud.spacing:
+        if held > 0.0 and r2 < nearest and 0.0 < height(i, j, x, normal, axes) < LAYER * cloud.spacing:
             nearest, found = r2, j
     return found
 
@@ -113,7 +114,7 @@ def _moment(m, inverse, member, n, i, wall, cloud, radius):
         trace += m[a, a]
         for b in range(dim):
             across += normal[wall, a] * m[a, b] * normal[wall, b]
-    if not across < 0.5 * trace:
+    if not across < FLAT * trace:
         return 1.0
     quality = invert(m, inverse, axes)
     for a in range(dim):

@@ -13,7 +13,7 @@ from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import Form, fill_up, gather_within, room_for
-from parisph.kernels.rankine import UNSOUND
+from parisph.kernels.rankine import COVERED, CURVED, UNSOUND
 from parisph.kernels.records import Cloud, Flux
 
 
@@ -55,7 +55,7 @@ def _surrounded(mean, basis, m, circle, points):
         total += mean[0, k]
         lowest = min(lowest, mean[0, k])
         spread += mean[0, k] * basis[len(basis) - 1, k]
-    return total > 0.05 * points and spread > 0.1 * circle * circle * points and lowest > -UNSOUND * total
+    return total > COVERED * points and spread > CURVED * circle * circle * points and lowest > -UNSOUND * total
 
 
 @kernel

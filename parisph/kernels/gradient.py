@@ -18,11 +18,12 @@ from parisph.kernels.solids import element_normal, nearest_point
 TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
 # What damps the slopes of the velocity at walls, in squares of the radius. Along the wall it only matters where a few
 # neighbours lie on one side.
-ACROSS, ALONG = 0.1, 0.01
-SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
+ACROSS = 0.1        # tuned 0.05 to 0.2: damping of the slope of the velocity across a wall; judged
+ALONG = 0.01        # tuned 0.005 to 0.02: damping of that slope along a wall; judged
+SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times what its quality lacks; judged
 # Spacings from a wall within which its datum helps a gradient with too few neighbours. In the tip of water on a flat
 # beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
-DATUM = 1.4
+DATUM = 1.4    # tuned 0.7 to 2.8: spacings from a wall within which its datum helps a gradient; judged
 
 
 @kernel

@@ -14,9 +14,11 @@ from parisph.base.fields import FLUID, WALL
 from parisph.kernels.jit import kernel
 from parisph.kernels.records import Cloud
 
-BEFORE = 1.5    # spacings from a wall within which fluid stands for its half cell there
-# The same where fluid is pressed together along the wall, and how many half cells there are then.
-FAR_BEFORE, PRESSED = 2.0, 2.0
+# Fluid as near to a wall stands for its half cell there; farther away there is room for a second layer.
+LAYER = 1.5     # tuned 0.75 to 3: spacings from a wall to the end of the first layer; judged
+# Where fluid is pressed together along the wall:
+FAR_BEFORE = 2.0    # tuned 1 to 4: spacings to the end of the fluid that stands for its half cells; judged
+PRESSED = 2.0       # tuned 1 to 4: how many half cells pressed fluid stands for at most; judged
 
 
 @kernel

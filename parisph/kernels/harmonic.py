@@ -19,7 +19,7 @@ from parisph.kernels.smoothing import quartic_weight
 # The unit of length of a fit with slopes, in radii: 1.04 spacings for a radius of 2.6, so that all moments are of order
 # one. A slope across a wall weighs as much as a difference between values over this length; a quarter or four times of
 # it do as well.
-UNIT = 0.4
+UNIT = 0.4    # tuned 0.1 to 1.6: unit of length of a fit with slopes, in radii; measured
 
 
 class Slopes(NamedTuple):

@@ -10,8 +10,9 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.rankine import Invariants
 from parisph.kernels.records import Cloud
 
-STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
-EXPANSION = 0.01     # largest relative volume that a particle remembers: what rows cannot remove would grow for ever
+STRAIN_LIMIT = 0.01  # tuned 0.005 to 0.02: largest change of volume in a step that the strain source answers; judged
+# What rows cannot remove would grow for ever.
+EXPANSION = 0.01     # tuned 0.005 to 0.02: largest relative volume that a particle remembers; judged
 
 
 class Weights(NamedTuple):

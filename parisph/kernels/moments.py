@@ -15,11 +15,11 @@ from parisph.kernels.smoothing import quartic_weight
 
 # A pivot below this fraction of the largest diagonal entry means that the neighbours do not span
 # the basis: such a system only amplifies rounding errors and disorder.
-PIVOT_FLOOR = 2.0e-3
+PIVOT_FLOOR = 2.0e-3    # tuned 0.001 to 0.004: pivot over the largest diagonal entry, least of a sound fit; judged
 
 # The unit of length for fits by polynomials of degree 2, in radii of the weight: with it the moments up to the
 # fourth are of order one. In units of the radius the floor above would find good neighbours degenerate.
-QUADRATIC_UNIT = 0.3
+QUADRATIC_UNIT = 0.3    # tuned 0.15 to 0.6: unit of length of quadratic fits, in radii; judged
 
 
 @inlined

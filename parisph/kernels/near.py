@@ -47,7 +47,7 @@ def room_for(indptr: np.ndarray) -> int:
 
 # Half a spacing, squared, in units of the radius. Closer than that, the weight 1/r^2 of a pair exceeds
 # all others, and its pressure difference over its distance has no bound.
-CLOSE = 0.0625
+CLOSE = 0.0625    # tuned 0.03125 to 0.125: square of the distance in radii below which the weight 1/r^2 stays; judged
 
 
 @inlined

@@ -16,13 +16,13 @@ from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
 from parisph.kernels.solids import keep_off
 
-STEPS = 100
-STRENGTH = 0.3    # h^2: of a shift
+STEPS = 100       # tuned 50 to 200: steps of the packing; judged
+STRENGTH = 0.3    # tuned 0.15 to 0.6: strength of a shift of the packing, in h^2; judged
 # Lengths in spacings.
-CAP = 0.1         # the longest shift
-GUARD = 0.5       # fluid comes no closer to a wall
-LEVEL = 2.1       # as near to the surface particles move level only, so that it stays flat
-FLAT = 0.5        # and not at all where it is not flat: it rises by more within that distance
+CAP = 0.1         # tuned 0.05 to 0.2: longest shift of the packing, in spacings; judged
+GUARD = 0.5       # tuned 0.25 to 1: fluid comes no closer to a wall; judged
+LEVEL = 2.1       # tuned 1.05 to 4.2: as near to the surface particles move level only, so that it stays flat; judged
+FLAT = 0.5        # tuned 0.25 to 1: rise of the surface within LEVEL beyond which they do not move; judged
 
 
 def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: Table) -> np.ndarray:

@@ -8,7 +8,8 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
-TILT = math.pi / 6.0    # between the line of a pair and the direction in which it parts
+# between the line of a pair and the direction in which it parts
+TILT = math.pi / 6.0    # tuned 3 to 12: pi over the angle between a pair and the direction in which it parts; judged
 
 
 @inlined

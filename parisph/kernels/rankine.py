@@ -27,8 +27,13 @@ from parisph.kernels.smoothing import quartic_weight
 
 # Limits on negative weights, relative to the sum of a row. A jitter of 1.2 spacings gives -0.03; making
 # the row of a particle in a drop isotropic can give any value.
-NEGATIVE = 0.1  # a row is made isotropic only as far as this
-UNSOUND = 0.5   # a row beyond this gave a drop at the lid fourteen times the pressure of all the water
+NEGATIVE = 0.1  # tuned 0.05 to 0.2: negative weight over the sum, up to which a row is made isotropic; judged
+# A row beyond this gave a drop at the lid fourteen times the pressure of all the water.
+UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum of a row, from which on it is given up; measured
+WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, in that of the weight; judged
+# A row has no Laplacian if it extrapolates, or gives next to nothing for a parabola.
+COVERED = 0.05  # tuned 0.025 to 0.1: least weight of the neighbours at the points of the circle; judged
+CURVED = 0.1    # tuned 0.05 to 0.2: least result of a row for a parabola, over R^2; judged
 
 
 def directions(dim: int, count: int | None = None) -> np.ndarray:
@@ -99,7 +104,7 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
     total = 0.0
     for k in range(m):
         total += mean[0, k]
-        w[0, k] = quartic_weight(basis[size, k], 1.5625)  # radius 1.25 of the unit
+        w[0, k] = quartic_weight(basis[size, k], WIDER * WIDER)
     for r in range(size):
         right[r] = dot(mean, 0, basis, r, m)
         for s in range(0, r + 1, 4):  # four at a time, whether they are in the lower triangle or not
@@ -137,7 +142,7 @@ def _mean_over_circle(mean, basis, m, circle):
         spread += mean[0, k] * basis[len(basis) - 1, k]
     total /= points
     spread *= circle.radius * circle.radius / points
-    sound = total > 0.05 and spread > 0.1 * circle.size * circle.size and lowest > -UNSOUND * points * total
+    sound = total > COVERED and spread > CURVED * circle.size * circle.size and lowest > -UNSOUND * points * total
     return total, spread, sound
 
 

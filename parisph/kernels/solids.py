@@ -14,11 +14,11 @@ from parisph.kernels.cells import nearby
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 
-LIFT = 0.1       # spacings: so far in front of its wall a node looks out
+LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node looks out; judged
 SLACK = 1e-9     # of an element's size: a line that passes its edge by less crosses it, so that two leave no gap
 PLANES = 6       # of the elements near a particle at most: where there are more, each element is looked at
 ROUNDING = 1e-8  # of the lift: what is in front of a plane by less may be behind it
-SIDE = 0.9       # cosine above which two walls count as one to keep off
+SIDE = 0.9       # tuned 0.45 to 1: cosine above which two walls count as one to keep off; judged
 
 
 def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:

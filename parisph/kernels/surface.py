@@ -18,6 +18,7 @@ from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import nearest_point
 
 SECTORS = 16  # of the circle, in the quick test for a gap
+FEW = 4       # tuned 2 to 8: neighbours, with fewer of which a particle is on the surface; judged
 
 
 @kernel
@@ -78,7 +79,7 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
                    gap: Gap) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
-    A particle with fewer than four neighbours within the radius is always on it. An element that is present
+    A particle with fewer than FEW neighbours within the radius is always on it. An element that is present
     counts as the reflection of the particle in it would: in the direction of its nearest point, twice as far away. Kind
     ABSENT is left out.
 
@@ -96,7 +97,7 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
             continue
         limit = gap.leave if was[i] == SURFACE or was[i] == BALLISTIC else gap.enter
         n, bound = _bound_of_gap(i, cloud, radius2)
-        if n >= 4 and bound < limit:
+        if n >= FEW and bound < limit:
             continue  # most particles: no angle has to be known
         n = _angles(angles, i, cloud, radius2)
         for k in range(walls.indptr[i], walls.indptr[i + 1]):
@@ -107,7 +108,7 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
             if walls.present[e] > 0.0 and 0.0 < 4.0 * (dx * dx + dy * dy) < radius2 and n < len(angles):
                 angles[n] = math.atan2(dy, dx)
                 n += 1
-        if n < 4 or _largest_gap(angles, n) > limit:
+        if n < FEW or _largest_gap(angles, n) > limit:
             role[i] = SURFACE
 
 

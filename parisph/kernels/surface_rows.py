@@ -11,9 +11,13 @@ from parisph.kernels.smoothing import quartic_weight
 
 # Of a cell: up to the first a particle lies on the surface, from the second on it stands for a full one. Half a cell
 # beside a wall, 3/2 spacings wide, is 3/4 of one. Where layers do not divide the depth, all shares are larger.
-HALF, FULL = 0.81, 0.86
-THIN, THICK = 0.3, 1.5      # spacings, of the distance of the two last layers
-LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surface has about one
+HALF = 0.81     # tuned 0.76 to 0.86: part of a cell up to which a particle lies on the surface; judged
+FULL = 0.86     # tuned 0.81 to 0.99: part of a cell from which on a particle stands for a full one; judged
+# spacings, of the distance of the two last layers
+THIN = 0.3      # tuned 0.15 to 0.6: least distance of the two last layers; judged
+THICK = 1.5     # tuned 1 to 3: largest distance of the two last layers; judged
+FIRST, SECOND = 1.05, 2.3    # of a parabola for that distance, fitted on lattices: `_layer`
+LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
 
 
 @kernel
@@ -88,7 +92,7 @@ def _layer(depth):
     than a spacing, only the next one is within the radius.
     """
     missing = max(1.0 - depth, 0.0)
-    return min(max(max(depth, 1.0) - missing * (1.05 + 2.3 * missing), THIN), THICK)
+    return min(max(max(depth, 1.0) - missing * (FIRST + SECOND * missing), THIN), THICK)
 
 
 @inlined

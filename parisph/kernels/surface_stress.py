@@ -14,11 +14,12 @@ from parisph.kernels.viscous import STRETCH, Flowing, Quadratics, factor_quadrat
 
 FLAT = 1e-4         # of the moment of neighbours on the surface, added to it so that it has an inverse
 TURNS = 4           # of inverse iteration, each of which takes a factor of FLAT off what is along the surface
-ASTRAY = 0.7        # cosine of two estimates of the normal below which the neighbours on the surface lie in no plane
+# cosine of two estimates of the normal
+ASTRAY = 0.7        # tuned 0.35 to 1: cosine of two normals below which neighbours lie in no plane; judged
 # Variance of a slope along the surface that unit errors of the velocities make, in units of 1/radius^2, above which a
 # fit is too poor: 3 to 6 on a lattice with a flat surface, 21 on that of a drop, and up to 17 with jitter 0.8. Without
 # a bound, the velocity of particles jittered by 1.2 has modes that grow.
-POOR = 22.0
+POOR = 22.0    # tuned 11 to 44: variance of a slope along the surface above which a fit is too poor; measured
 
 
 @kernel

@@ -14,6 +14,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER, WALL
 from parisph.kernels.across import Across, differences, gather_across, room_across
+from parisph.kernels.gradient import ACROSS
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.records import Cloud, Walls
@@ -22,7 +23,7 @@ from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 # Largest nu dt/s^2 of an explicit step of either form, with nu the largest viscosity, h = 1.3 s and radius = 2.6 s.
 # Eigenvalues between no-slip walls allow, in 2D (3D), 0.6 (0.57) for morris and 0.83 (0.7) for corrected on a lattice,
 # and 0.47 and 0.62 in 2D with jitter 1.2.
-STABLE = 0.4
+STABLE = 0.4    # tuned 0.2 to 0.8: largest nu dt/s^2 of an explicit step; measured
 
 STRETCH = 3.0       # of squares in units of the radius, so that they are about as large as the coordinates
 
@@ -207,7 +208,7 @@ def continue_to_walls(a: np.ndarray, cloud: Cloud, radius: float) -> None:
             v0, v1 = v0 + w * value, v1 + w * y * value
         if s0 > 0.0:
             mean = s1 / s0
-            variance = s2 / s0 - mean * mean + 0.1 * radius2
+            variance = s2 / s0 - mean * mean + ACROSS * radius2
             at_wall = v0 / s0 - mean * (v1 - mean * v0) / (s0 * variance)
             for c in range(dim):
                 a[i, c] = at_wall * normal[i, c]

@@ -18,9 +18,10 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.records import Cloud, Walls
 
 MOST = 256       # sides of a cell that are looked at, and wet wall particles; further ones are ignored
-GAP = 1.0        # spacings: circumradius of the largest triangle that is fluid; stretched jets have larger ones
-NEAR_WALL = 0.75 # spacings: a corner on a wall is wet if a wet wall particle is as near
-NEAR_SIDE = 1.6  # spacings: neighbours that bound most of a cell
+# Stretched jets have larger ones.
+GAP = 1.0        # tuned 0.75 to 2: spacings, circumradius of the largest triangle that is fluid; judged
+NEAR_WALL = 0.75 # tuned 0.5 to 1.5: spacings, a corner on a wall is wet if a wet wall particle is as near; judged
+NEAR_SIDE = 1.6  # tuned 0.8 to 3.2: spacings, neighbours that bound most of a cell; judged
 ON = 1e-6        # of an element's length: what is no farther beyond its end is on it
 BOX = -1         # side of the box from which cells are cut: there the cell is open
 

@@ -11,7 +11,9 @@ from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 
 # Below this value of det/(trace/dim)^dim the neighbours of a wall particle lie on a line.
-FLAT = 4.0e-3
+FLAT = 4.0e-3     # tuned 0.002 to 0.008: det/(trace/dim)^dim below which wall neighbours lie on a line; judged
+# A diagonal below this part of 1/radius means that hardly any neighbour lies inwards.
+INWARDS = 0.05    # tuned 0.025 to 0.1: least diagonal of a wall row, times the radius; judged
 
 
 @kernel
@@ -53,8 +55,7 @@ def sfdi_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
             weights += w
             n += 1
         rows.count[i] = n
-        # a diagonal below 1/(20 radius) means that hardly any neighbour lies inwards
-        if sound and total * radius > 0.05:
+        if sound and total * radius > INWARDS:
             for k in range(first, first + n):
                 values[k] /= total
             rows.measure[i] = _mix_with_mean(rows, i, n, cloud, radius2, weights) / total
@@ -106,7 +107,7 @@ def harmonic_rows(rows: Rows, cloud: Cloud, radius: float, most: float) -> None:
             c[k, 0] = psi
             total += psi
             lowest = min(lowest, psi)
-        if not (total * radius > 0.05 and lowest > -UNSOUND * total):
+        if not (total * radius > INWARDS and lowest > -UNSOUND * total):
             continue
         n, first = 0, indptr[i]
         for k in range(first, indptr[i + 1]):

@@ -5,17 +5,27 @@ import math
 import numpy as np
 
 from parisph.base.fields import ABSENT, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels.halves import LAYER
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
-TOUCH = 0.55    # fluid as near to a wall as this is in contact; the wall guard stops it at half a spacing
-MOVING = 1e-3   # what moves by less in a step rests
-BESIDE = 0.75   # along the wall, from a wall particle to the fluid in front of it
-COVER, FAR = 1.5, 2.5     # fluid as near in front of a wall particle covers it; as far away it does not
-FELT = 0.75     # fluid as near to a wall particle as this feels its friction, wet or not
-NEARBY = 1.6    # inner fluid behind a water line that moves on along the wall
+TOUCH = 0.55    # tuned 0.275 to 1: fluid as near to a wall touches it; the guard stops it at half a spacing; judged
+MOVING = 1e-3   # tuned 0.0005 to 0.002: what moves by less in a step rests; judged
+BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to the fluid in front of it; judged
+# Fluid of the first LAYER in front of a wall particle covers it.
+FAR = 2.5       # tuned 1.6 to 5: fluid as far in front of a wall particle does not cover it; judged
+FELT = 0.75     # tuned 0.5 to 1.5: fluid as near to a wall particle feels its friction, wet or not; judged
+NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind a water line that moves on along the wall; judged
+NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next ones on its wall, or beyond a corner; judged
+INSIDE = 2.1    # tuned 1.05 to 4.2: from a wet wall particle to inner fluid; judged
+STANDS = 0.55   # tuned 0.275 to 1: along the wall, from the contact line to the surface particle before it; judged
+BOTH = 0.3      # tuned 0.15 to 0.6: along the wall, to fluid that covers one of its sides; judged
+# Without a unit:
+ALIKE = 0.5     # tuned 0.25 to 1: cosine of normals above which two wall particles are of one wall; judged
+FACES = 0.5     # tuned 0.25 to 1: part of a normal along a wall from which on another wall ends it; judged
+ACROSS = 0.25   # tuned 0.125 to 0.5: sine^2 of the angle of an axis to the normal, for a tangent along it; judged
 
 # What a wall particle is to the fluid before it: the values of the field `closing`.
 APART, FREE, CLOSING = 0, 1, 2
@@ -82,7 +92,7 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
                 pull -= force[j, a] * normal[i, a]
                 cosine += normal[j, a] * normal[i, a]
             if kind[j] == WALL:
-                beside_wet |= role[j] == WET and cosine > 0.5 and r2 < (1.5 * spacing) ** 2
+                beside_wet |= role[j] == WET and cosine > ALIKE and r2 < (NEXT * spacing) ** 2
                 continue
             beside_inner |= role[j] == INNER and r2 < (NEARBY * spacing) ** 2
             if away > 0.0 and r2 - away * away < (BESIDE * spacing) ** 2:
@@ -101,7 +111,7 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
     """Write which part of each owned wall particle has fluid in front of it, 0 to 1; fluid gets 1.
 
     covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall, and a_ij = 1 of fluid up to
-    COVER in front of it, which falls to 0 at FAR. Behind dry walls no solid completes sums of kernels: above the water
+    LAYER in front of it, which falls to 0 at FAR. Behind dry walls no solid completes sums of kernels: above the water
     line there is neither fluid nor its continuation.
     """
     x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
@@ -120,7 +130,7 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
                 r2 += (x[j, a] - x[i, a]) ** 2
             along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
             if 0.0 < away < FAR * spacing and along < 1.0:
-                total += (1.0 - along) * min((FAR - away / spacing) / (FAR - COVER), 1.0)
+                total += (1.0 - along) * min((FAR - away / spacing) / (FAR - LAYER), 1.0)
         covered[i] = min(total, 1.0)
 
 
@@ -172,14 +182,14 @@ def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
             for a in range(len(cloud.axes)):
                 r2 += (x[j, a] - x[i, a]) ** 2
                 cosine += normal[j, a] * normal[i, a]
-            touched[i] |= (role[j] == WET and cosine > 0.5) or (kind[j] == FLUID and r2 < (FELT * spacing) ** 2)
+            touched[i] |= (role[j] == WET and cosine > ALIKE) or (kind[j] == FLUID and r2 < (FELT * spacing) ** 2)
 
 
 @kernel
 def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    Wet: it closes the fluid off (closing_walls), an inner fluid particle is within 2.1 spacings, and there is fluid on
+    Wet: it closes the fluid off (closing_walls), an inner fluid particle is nearer than INSIDE, and there is fluid on
     both sides along the wall, or beside a corner the other wall instead (in the corner itself the inner particle is
     enough). Contact: not wet, with a surface particle beside it. Roles of fluid are read, those of owned walls written.
 
@@ -200,10 +210,9 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
             for a in range(dim):
                 r2 += (x[j, a] - x[i, a]) ** 2
                 away += (x[j, a] - x[i, a]) * normal[i, a]
-            inner |= role[j] == INNER and r2 < (2.1 * spacing) ** 2
-            # half a spacing to either side along the wall, one and a half away from it
-            beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
-                       and r2 - away * away < (0.55 * spacing) ** 2)
+            inner |= role[j] == INNER and r2 < (INSIDE * spacing) ** 2
+            beside |= (role[j] == SURFACE and 0.0 < away < LAYER * spacing
+                       and r2 - away * away < (STANDS * spacing) ** 2)
         if inner and closing[i] == CLOSING and (cloud.corner[i] or _covered_on_both_sides(i, closing, CLOSING, cloud)):
             role[i] = WET
         else:
@@ -216,7 +225,7 @@ def _covered_on_both_sides(i, closing, least, cloud):
     fluid."""
     x, normal, spacing, dim = cloud.x, cloud.normal, cloud.spacing, len(cloud.axes)
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
-        if 1.0 - normal[i, b] ** 2 < 0.25:
+        if 1.0 - normal[i, b] ** 2 < ACROSS:
             continue
         ahead, behind = False, False
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
@@ -229,9 +238,9 @@ def _covered_on_both_sides(i, closing, least, cloud):
             # one spacing from a corner the other wall is where fluid would be
             facing = normal[j, b] - cosine * normal[i, b]
             covers = (cloud.kind[j] == FLUID
-                      or (closing[j] >= least and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing))
-            ahead |= covers and along > 0.3 * spacing
-            behind |= covers and along < -0.3 * spacing
+                      or (closing[j] >= least and along * facing < -FACES * abs(along) and abs(along) < NEXT * spacing))
+            ahead |= covers and along > BOTH * spacing
+            behind |= covers and along < -BOTH * spacing
         if not (ahead and behind):
             return False
     return True

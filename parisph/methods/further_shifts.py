@@ -15,12 +15,10 @@ from parisph.kernels import shifting, shifts, wetness
 from parisph.kernels.records import Cloud, Walls
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
-from parisph.methods.positions import CAP
+from parisph.methods.positions import CAP, NEAR_SURFACE
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
-
-NEAR_SURFACE = 2.0      # spacings from a surface particle within which the shift of Lind et al. knows the surface
 
 
 class Shift(Regulariser):

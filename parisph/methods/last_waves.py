@@ -2,7 +2,7 @@
 
 import numpy as np
 
-WAVES = 100.0    # a span of time over sqrt(s/g): several waves of twenty spacings
+WAVES = 100.0    # tuned 50 to 200: a span of time over sqrt(s/g), several waves of twenty spacings; judged
 
 
 class LastWaves:

@@ -46,14 +46,17 @@ if TYPE_CHECKING:
 
 # Harmonic terms may raise the variance of a slope by this factor at most. Beside a vertical wall they raise it by 2
 # to 4, also in waves.
-INFLATION = 6.0
+INFLATION = 6.0    # tuned 3 to 12: limit on the variance of a slope where water does not break; measured
 NEVER = -1.0    # no harmonic terms
-RAPID_INFLATION = 60.0    # on a surface that breaks
+RAPID_INFLATION = 60.0    # tuned 30 to 120: limit on that variance on a surface that breaks; measured
 # The same in wall rows of water that breaks. On a lattice they raise it by 1.3 to 1.4 at walls, 2.8 just below the
 # surface and 5 in corners. Rows below the tip of a tongue, which are of the second kind, hold it up: with limits of 3
 # and more the dam break (H/s = 40) comes to the wall .02 sqrt(H/g) late; with 1.8 and 2.5 it does
 # not. Chosen on three starts; on three others P2 errs by .042, and by .055 with SFDI rows and no such knowledge.
-RAPID_WALL_INFLATION = 2.5
+RAPID_WALL_INFLATION = 2.5    # tuned 1.25 to 5: limit on that variance in wall rows of water that breaks; measured
+# det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic: with the plain weight, over r^2
+FLOOR = 0.05        # tuned 0.025 to 0.1: floor of the neighbours' moment with the plain weight, else ballistic; judged
+SFDI_FLOOR = 0.2    # tuned 0.1 to 0.4: floor of the neighbours' moment with the weight over r^2; judged
 
 directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
 
@@ -223,7 +226,7 @@ class LeastSquares(Gradient):
     floor : det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic
     """
 
-    power, floor = 0, 0.05
+    power, floor = 0, FLOOR
 
     def form(self, spacing: float) -> Form:
         return Form(self.reach * spacing, self.power, self.floor)
@@ -275,7 +278,7 @@ class Sfdi(LeastSquares):
     """With the weight over r^2."""
 
     name, source, reach = "sfdi", "Z17 Eqs 29-32", lengths.MLS
-    power, floor = 2, 0.2
+    power, floor = 2, SFDI_FLOOR
 
 
 class Spline(LeastSquares):

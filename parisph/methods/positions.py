@@ -15,21 +15,27 @@ from parisph.parallel.sums import sums
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-SLACK = 1e3  # tolerance of the position solve over that of the pressure, at most one in a thousand of a small move
-CAP = 0.1    # longest move of the position projection and of the shift, in spacings
+# It costs at most one in a thousand of a small move.
+SLACK = 1e3  # tuned 500 to 2000: tolerance of the position solve over that of the pressure; judged
+CAP = 0.1    # tuned 0.05 to 0.2: longest move of the position projection and of the shift, in spacings; judged
+LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way; judged
 # Mean density error around a particle below which calm fluid has a void. Waves have errors of up to .023 in phase with
 # them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with a = .05 d), and disorder of .4 has .02. With
 # .035 a box that heaves raises the level of a flume two to three times as much; with .02 that wave errs twice as much.
-VOID = 0.025
+VOID = 0.025    # tuned 0.0125 to 0.05: mean density error of a void, below which calm fluid has one; measured
+NEAR_SURFACE = 2.0    # tuned 1 to 4: spacings from a surface particle within which a shift knows the surface; judged
 
 # Close pairs; lengths in spacings.
-TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
-# times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
-TURNS = 3.0
-PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
+TURN_WITHIN = 0.7    # tuned 0.35 to 1: pairs of inner particles that turn; judged
+TURN = 0.05     # tuned 0.025 to 0.1: by how much they turn at the full strength of the shift; judged
+# A lattice collapses within a few long steps, in which the shift has its full strength
+TURNS = 3.0     # tuned 1.5 to 6: largest part of that turn in a step of full strength; measured
+PART_WITHIN = 0.6    # tuned 0.3 to 1: pairs without pressure that part; judged
+PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which such pairs part; judged
 CLOSE = max(TURN_WITHIN, PART_WITHIN)
-# distance that all pairs are brought to, sweeps at most, and longest move in one
-APART, SWEEPS, SWEEP = 0.45, 8, 0.15
+APART = 0.45    # tuned 0.225 to 0.9: distance that all pairs are brought to; judged
+SWEEPS = 8      # tuned 4 to 16: sweeps that part all pairs, at most; judged
+SWEEP = 0.15    # tuned 0.075 to 0.3: longest move in one of these sweeps; judged
 # Distance of the pairs that the sweeps look at. Those farther apart, or in one place, are left to the next step.
 WATCHED = APART + 3.0 * SWEEP
 
@@ -179,7 +185,7 @@ class FickShift(Regulariser):
         move = np.empty_like(p.x)
         shifting.fick_shift(move, flow.cloud, p.grad_alpha_all,
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
-                            2.0 * flow.spacing)
+                            NEAR_SURFACE * flow.spacing)
         pairs.turn_pairs(move, flow.close_pairs(CLOSE), p.id_all, p.turn_all, TURN_WITHIN * flow.spacing)
         return move
 
@@ -253,7 +259,7 @@ def compression(flow: "Flow", alpha: Floats, doubt: Floats | None = None, more: 
     """
     e, zero = np.empty_like(alpha), np.zeros_like(alpha)
     doubt, more, rapid = (zero if one is None else one for one in (doubt, more, rapid))
-    shifting.compression(e, flow.cloud, alpha, more, rapid, doubt, 0.1, lengths.WALL * flow.spacing)
+    shifting.compression(e, flow.cloud, alpha, more, rapid, doubt, LIMIT, lengths.WALL * flow.spacing)
     return e
 
 

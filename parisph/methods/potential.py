@@ -15,7 +15,8 @@ from parisph.methods.parts import REGULARISERS, Regulariser
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-VISCOUS = 0.5   # part of the rate in viscous fluid, whose filter is one of roughness: more would add to its viscosity
+# The filter of viscous fluid is one of roughness: more of it would add to the viscosity.
+VISCOUS = 0.5   # tuned 0.25 to 1: part of the rate in viscous fluid; judged
 
 
 def find(flow: "Flow") -> Potential:

@@ -9,8 +9,8 @@ from parisph.kernels import movement
 from parisph.parallel.particles import Particles
 
 SHARE = 1.0 / 12.0    # of dt^2 a, by which a kick must be evaluated ahead for a frequency of fourth order
-FADES = 0.75          # step over sqrt(s/g) from which on the share falls, as its fourth power
-SHORT = 0.5           # part of the usual step; the acceleration of a shorter one is not remembered
+FADES = 0.75          # tuned 0.375 to 0.95: step over sqrt(s/g) beyond which the share falls, as power -4; judged
+SHORT = 0.5           # tuned 0.25 to 1: part of the usual step; a shorter one is not remembered; judged
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,12 @@ from parisph.methods.parts import GRADIENTS, SURFACES, Surface
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-GAP = surface.Gap(enter=2.3, leave=1.4, thin=0.55)
-REGAIN = 1.5    # times the floor of the gradient: when free flight of a kept surface ends
+GAP = surface.Gap(
+    enter=2.3,    # tuned 1.15 to 4.6: angle without neighbours from which on a particle joins the surface; judged
+    leave=1.4,    # tuned 0.7 to 2.3: angle below which it leaves the surface; judged
+    thin=0.55,    # tuned 0.275 to 1: density ratio below which a particle is on the surface; judged
+)
+REGAIN = 1.5    # tuned 1 to 3: times the floor of the gradient: when free flight of a kept surface ends; judged
 
 
 def classify(flow: "Flow", rule: Surface, dt: float) -> None:
@@ -31,7 +35,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
         return
     wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.step.force, dt)
     if flow.half_cells:
-        halves.wall_share(p.share, flow.cloud, flow.cells, 1.0, halves.BEFORE)
+        halves.wall_share(p.share, flow.cloud, flow.cells, 1.0, halves.LAYER)
     also = flow.walls.cover(flow)
     d.update("closing", *(("share",) if flow.half_cells else ()), *also)
     if flow.weighed:

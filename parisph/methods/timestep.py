@@ -15,14 +15,16 @@ from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
 from parisph.parallel.particles import Particles
 
-GROWTH = 1.1    # from one step to the next, at most
+GROWTH = 1.1    # tuned 1.05 to 1.2: from one step to the next, at most; judged
 # spacings the fastest particle may move in any impact or strain: shorter steps feed jets that pass close above a solid,
 # and columns one or two particles wide that fall to pieces
-LEAST_MOVE = 0.1
-WAVE_MOVE = 0.02    # spacings that the fastest particle may move, instead of that where no force makes waves
-GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
-REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
-TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
+LEAST_MOVE = 0.1    # tuned 0.05 to 0.2: spacings the fastest particle may move in any impact or strain; measured
+WAVE_MOVE = 0.02    # tuned 0.01 to 0.04: spacings it may move in waves that no force makes; judged
+GENTLE = 0.1    # tuned 0.05 to 0.2: of the longest move: what acceleration may add in the first step; judged
+REST = 9.81     # [m/s^2], gravity on earth, that sets the first step of fluid which nothing moves
+# Particles resolve no time that is shorter.
+TOLD_MOVE = 0.3       # tuned 0.15 to 0.6: move in spacings in the shortest time that particles resolve; judged
+TOLD_FALL = 0.025     # tuned 0.0125 to 0.05: shortest time that particles resolve over sqrt(s/a); judged
 
 
 def next_step(flow: Flow, gravity: float, previous: float | None = None, shortest: float = 0.0,

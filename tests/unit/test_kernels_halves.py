@@ -14,7 +14,7 @@ def filled(dim, **how):
     return tank((9, 9) if dim == 2 else (7, 7, 7), **how)
 
 
-def shares(pool, cells, most=1.0, before=halves.BEFORE):
+def shares(pool, cells, most=1.0, before=halves.LAYER):
     """Return the shares if each fluid particle stands for so many cells of the lattice: a number, or (n,)."""
     out = np.full(pool.n, np.nan)
     cells = np.where(pool.fluid, cells, 0.0)
