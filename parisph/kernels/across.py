@@ -4,6 +4,7 @@ Beyond the plane that touches a wall, the continuation of the fluid is its refle
 plane, the reflection of j is never closer to i than j itself: so the neighbour lists contain all that is needed.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -87,7 +88,7 @@ def _find_planes(across, i, cloud, walls):
     if walls.indptr[i] == walls.indptr[i + 1]:
         return 0
     found, member = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64)
-    for w in range(nearest_walls(found, member, three_places(axes), i, cloud, walls)):
+    for w in range(nearest_walls(found, member, three_places(axes), i, cloud, walls, math.inf)):
         e = member[w]
         if walls.present[e] > 0.0:
             across.slips[planes] = not walls.sticks[e]

@@ -313,8 +313,10 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
 
 @subkernel
 def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray, np.ndarray, np.ndarray], i: int,
-                  cloud: Cloud, walls: Walls) -> int:
+                  cloud: Cloud, walls: Walls, reach: float) -> int:
     """Find the walls that particle i must keep off: the nearest element, and further ones that it faces squarely.
+
+    Those in front of which it is farther off than the reach [m] may be left out.
 
     away : (dim, 1 + dim) output, of each wall the unit vector from its nearest point to the particle, and the
         distance [m], negative behind the wall; there the vector is the normal
@@ -352,6 +354,8 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray
             nearest_point(foot, p, member[found], corners, axes)
             _note(away, found, places, math.sqrt(best), True, False, axes)
         found += 1
+        if away[found - 1, len(axes)] > reach:    # none is nearer
+            break
     return found
 
 
@@ -389,18 +393,21 @@ def keep_off(move: np.ndarray, cloud: Cloud, walls: Walls, distance: float) -> N
     axes = cloud.axes
     away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
     for i in range(len(move)):
-        if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1] or not _moves(move, i, axes):
+        if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
-        for w in range(nearest_walls(away, member, places, i, cloud, walls)):
+        length = _length(move, i, axes)
+        if length == 0.0:
+            continue
+        for w in range(nearest_walls(away, member, places, i, cloud, walls, distance + length)):
             _hold_back(move, i, away, w, 0.0, min(distance - away[w, len(axes)], 0.0), axes)
 
 
 @inlined
-def _moves(move, i, axes):
-    moves = False
+def _length(vector, i, axes):
+    length2 = 0.0
     for a in range(len(axes)):
-        moves = moves or move[i, a] != 0.0
-    return moves
+        length2 += vector[i, a] ** 2
+    return math.sqrt(length2)
 
 
 @inlined
@@ -428,12 +435,14 @@ def guard(u: np.ndarray, cloud: Cloud, walls: Walls, distance: float, dt: float)
     """
     axes = cloud.axes
     away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
-    slowed = 0
+    slowed, fastest = 0, 0.0
+    for e in range(len(walls.velocity)):
+        fastest = max(fastest, _length(walls.velocity, e, axes))
     for i in range(len(walls.indptr) - 1):
         if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
-        hit = False
-        for w in range(nearest_walls(away, member, places, i, cloud, walls)):
+        hit, reach = False, distance + (_length(u, i, axes) + fastest) * dt
+        for w in range(nearest_walls(away, member, places, i, cloud, walls, reach)):
             speed = 0.0
             for a in range(len(axes)):
                 speed += walls.velocity[member[w], a] * away[w, a]

@@ -58,7 +58,7 @@ def rub(out: np.ndarray, cloud: Cloud, walls: Walls, u: np.ndarray, law: Law) ->
     for i in range(len(out)):
         if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
-        for w in range(nearest_walls(away, member, places, i, cloud, walls)):
+        for w in range(nearest_walls(away, member, places, i, cloud, walls, math.inf)):
             element_normal(n, member[w], walls.corners, axes)
             cosine = 0.0
             for a in range(len(axes)):

@@ -10,8 +10,9 @@ from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import density, gradient, movement, solids, wall_law, wetness
 from parisph.kernels.near import Form
-from parisph.kernels.records import Cloud, Walls
+from parisph.kernels.records import Walls
 from parisph.methods import lengths
+from parisph.methods.step_state import Completion
 from parisph.parallel.wall_elements import NO_ROOM, WallElements
 
 if TYPE_CHECKING:
@@ -42,29 +43,31 @@ class Boundary:
             p.covered *= np.clip(0.5 + self.elements.before_moving(p) / flow.spacing, 0.0, 1.0)
         return ("covered",)
 
-    def counted(self, flow: "Flow", least: int) -> Floats:
-        """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
-        p = flow.particles
-        if not flow.open:
-            return np.ones(p.n_all)
-        return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
+    def completion(self, flow: "Flow", least: int) -> Completion:
+        """Return what completes sums: of the walls that are `least` what is covered. Found once in a step,
+        after the surface."""
+        p, known = flow.particles, flow.step.completions
+        if least not in known:
+            counted = np.ones(p.n_all)
+            if flow.open:
+                counted = np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
+            known[least] = Completion(self.elements.mean_of_nodes(counted), p.weight_all * counted,
+                                      p.area_all * counted[:, None])
+        return known[least]
 
     def present(self, flow: "Flow", least: int) -> Walls:
         """Return the elements, as far as they count."""
-        return self.elements.walls._replace(present=self.elements.mean_of_nodes(self.counted(flow, least)))
+        return self.elements.walls._replace(present=self.completion(flow, least).present)
 
     def density_ratio(self, out: Floats, flow: "Flow", least: int) -> None:
         """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
-        density.completed_density(out, *self._completion(flow, least))
+        found = self.completion(flow, least)
+        density.completed_density(out, flow.cloud, self.present(flow, least), found.weight, found.area, self.table)
 
     def density_gradient(self, out: Floats, flow: "Flow", least: int) -> None:
         """Write the gradient of the density ratio of owned fluid to out (n_owned, dim) [1/m], 0 for walls."""
-        density.completed_gradient(out, *self._completion(flow, least))
-
-    def _completion(self, flow: "Flow", least: int) -> tuple[Cloud, Walls, Floats, Floats, density.Table]:
-        p, counted = flow.particles, self.counted(flow, least)
-        walls = self.elements.walls._replace(present=self.elements.mean_of_nodes(counted))
-        return flow.cloud, walls, p.weight_all * counted, p.area_all * counted[:, None], self.table
+        found = self.completion(flow, least)
+        density.completed_gradient(out, flow.cloud, self.present(flow, least), found.weight, found.area, self.table)
 
     def surplus(self, ratio: Floats, gradient: Floats, share: Floats, flow: "Flow") -> None:
         """Write what half cells at walls for which no fluid stands contribute.
@@ -72,9 +75,10 @@ class Boundary:
         ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs
         share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
         """
-        cloud, walls, weight, area, table = self._completion(flow, wetness.FREE)
+        _, weight, area = self.completion(flow, wetness.FREE)
         filled, lean = density.node_terms(weight, area, share)
-        density.node_sums(ratio, gradient, cloud, walls, weight - filled, area - lean, table)
+        walls = self.present(flow, wetness.FREE)
+        density.node_sums(ratio, gradient, flow.cloud, walls, weight - filled, area - lean, self.table)
 
     def cells(self, flow: "Flow") -> Floats:
         """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""

@@ -1,7 +1,7 @@
 """What a step finds about the flow, and what its regularisers find for each other."""
 
 from dataclasses import InitVar, dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,15 @@ from parisph.parallel.particles import Particles
 
 if TYPE_CHECKING:
     from parisph.pressure.solver import SolveRecord
+
+
+class Completion(NamedTuple):
+    """What completes sums of kernels: present (M,) of elements, weight (n_all,) and area (n_all, dim) of particles, as
+    for kernels.density."""
+
+    present: Floats
+    weight: Floats
+    area: Floats
 
 
 @dataclass(slots=True)
@@ -31,6 +40,7 @@ class StepState:
     absorbed: Floats = field(init=False)    # (n_owned, dim) the part by zones that absorb
     varies: bool = False    # whether the body force differs from place to place, the same on all ranks
     # surface
+    completions: dict[int, Completion] = field(default_factory=dict)    # {`least` that counts: Boundary.completion}
     potential: Potential | None = None    # of the velocity at the start of the step, if a part needs it
     # correction
     by_pressure: Floats = field(init=False)    # (n_owned,) size of the acceleration by pressure alone [m/s^2]

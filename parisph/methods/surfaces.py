@@ -37,6 +37,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     if flow.half_cells:
         halves.wall_share(p.share, flow.cloud, flow.cells, 1.0, halves.LAYER)
     also = flow.walls.cover(flow)
+    flow.step.completions.clear()
     d.update("closing", *(("share",) if flow.half_cells else ()), *also)
     if flow.weighed:
         flow.walls.density_ratio(p.alpha, flow, wetness.CLOSING)

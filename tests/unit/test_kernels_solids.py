@@ -35,7 +35,7 @@ def walls_of(x, corners):
     dim, found = len(cloud.axes), []
     away, member, places = np.empty((dim, dim + 1)), np.empty(dim, np.int64), solids.three_places(cloud.axes)
     for i in range(len(cloud.x)):
-        count = solids.nearest_walls(away, member, places, i, cloud, walls)
+        count = solids.nearest_walls(away, member, places, i, cloud, walls, np.inf)
         found.append([(away[w, :dim].copy(), away[w, dim]) for w in range(count)])
     return found
 
