@@ -46,8 +46,6 @@ class Running:
     change : text of Python that each rank carries out before, "" for none
     settings : environment variables to set besides
 
-    Attributes
-    ----------
     process : subprocess.Popen of mpirun, or of the only rank
     checkpoints : pathlib.Path
     """

@@ -4,7 +4,7 @@ import numpy as np
 
 from parisph.base.table import read_reference
 from parisph.case.waves import SolitaryWave
-from parisph.truth import crests
+from run_scripts.studies import solitary_measures as crests
 from tests.launch import ROOT
 
 RUN_UPS = ROOT / "cases" / "exact" / "solitary_wall_runup.csv"

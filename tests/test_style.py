@@ -45,12 +45,20 @@ case = Case("Water", fluid=[Fluid(Box(1.0, 0.4), density=1000.0)], walls=(Tank(1
             gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), absorb=Sponge(0.0, 1.0), probes=[Energy("e")],
             end_time=1.0)
 case.changed(end_time=2.0).numerics.spacing + 1.0
+Numerics(0.1).cfl + 1.0    # operator
+Numerics(0.1).resolved().cfl + 1.0
+RunUp("up", points=[(1.0, 0.0), (1.0, 1.0)])
+Study(case="tank.py", spacings=[0.1, 0.05], variants=[Variant(methods=["ISPH"])], histories=["P1"])
+Study(case="tank.py", varients=[])    # call-arg
+PatchStudy(fields=["x"], sweeps=[Sweep(spacings=[0.1], jitters=[0.0])], histograms=[Histogram(0.1, 0.2)])
+Sweep([0.1], jitters=0.2)    # arg-type
 """
 
 
 def test_mypy_finds_no_fault_but_those_of_a_user(tmp_path):
     file = tmp_path / "use.py"
-    lines = ["import parisph", f"from parisph import {', '.join(parisph.__all__)}", *USE.splitlines()]
+    lines = ["import parisph", f"from parisph import {', '.join(parisph.__all__)}",
+             "from parisph.study import Histogram, PatchStudy, Study, Sweep, Variant", *USE.splitlines()]
     file.write_text("\n".join(lines), encoding="utf-8")
     found = said("mypy", "--no-error-summary", "--cache-dir", str(tmp_path / "cache"), "parisph", str(file))
     assert re.findall(r"^(.*?):(\d+): error: .*\[([a-z-]+)\]$", found, re.M) == [

@@ -55,15 +55,11 @@ def exit_code(error: BaseException) -> int:
 def agree(comm: Communicator, error: Exception | None = None) -> None:
     """Raise on every rank if any rank has an error; return if none has. Collective.
 
-    Parameters
-    ----------
     comm : mpi4py communicator
     error : Exception or None
         What went wrong on this rank.
 
-    Raises
-    ------
-    The class of the lowest failing rank's error (a ParisphError stays what it is,
+    Raises The class of the lowest failing rank's error (a ParisphError stays what it is,
     anything else becomes a ParisphError), with that rank's message on every rank.
     """
     if comm.size == 1:
@@ -72,7 +68,8 @@ def agree(comm: Communicator, error: Exception | None = None) -> None:
         return
     if not comm.allreduce(int(error is not None)):
         return
-    mine = None if error is None else (_class_to_raise(error), f"rank {comm.rank}: {_kind(error)}{error}")
+    kind = type(error) if isinstance(error, ParisphError) else ParisphError
+    mine = None if error is None else (kind, f"rank {comm.rank}: {_kind(error)}{error}")
     kind, message = next(item for item in comm.allgather(mine) if item is not None)
     raise kind(message) from error
 
@@ -93,10 +90,6 @@ def agree_and_sum(comm: Communicator, error: Exception | None, *numbers: float) 
     if sums[0]:
         agree(comm, error)
     return sums[1:]
-
-
-def _class_to_raise(error: BaseException) -> type[BaseException]:
-    return type(error) if isinstance(error, ParisphError) else ParisphError
 
 
 def _kind(error: BaseException) -> str:

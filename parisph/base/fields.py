@@ -26,8 +26,6 @@ ORDER = {"scalar": 0, "vector": 1, "tensor": 2}    # indices of a value
 class Field:
     """One particle field.
 
-    Attributes
-    ----------
     shape : "scalar" for (n,), "vector" for (n, dim), "tensor" for (n, dim, dim)
     unit, meaning : for people and for file attributes
     exchanged : part of the first message that fills a new ghost
@@ -56,13 +54,9 @@ class FieldSet(Mapping[str, Field]):
 
     Particles have arrays for these and no others; no other is exchanged, moved to another rank or stored.
 
-    Parameters
-    ----------
     names : of further fields in the registry, in any order and any number of times
 
-    Raises
-    ------
-    KeyError : a name that is not in the registry
+    Raises KeyError: a name that is not in the registry
     """
 
     def __init__(self, names: Iterable[str] = ()) -> None:

@@ -11,8 +11,6 @@ TERMINAL, BATCH = 0.5, 15.0  # seconds between lines
 class LiveLine:
     """One live line on a terminal; in a batch log plain lines, the first after two seconds.
 
-    Parameters
-    ----------
     shown : whether to show anything
     say : what shows a plain line; None to print it to the stream
     stream : standard error by default

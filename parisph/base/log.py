@@ -4,7 +4,7 @@ import logging
 import os
 import sys
 from contextlib import suppress
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import TextIO
 
 import numpy as np
@@ -20,16 +20,12 @@ def start(comm: Communicator, path: AnyPath | None = None, level: int = logging.
           stream: TextIO | None = None) -> None:
     """Start logging on rank 0, to the screen and to a file; other ranks log nothing. Not collective.
 
-    Parameters
-    ----------
     comm : communicator; its rank 0 logs
     path : path of a log file to append to, or None
     level : lowest level that is shown (the file takes everything)
     stream : open text file for the screen, standard error by default
 
-    Raises
-    ------
-    OSError on rank 0: the log file cannot be written.
+    Raises OSError on rank 0: the log file cannot be written.
     """
     stop()
     logger.propagate = False
@@ -84,54 +80,47 @@ class _Plain(logging.Formatter):
 
 
 class Timers:
-    """Wall time of named phases: `with timers("solve"): ...`.
+    """Wall and CPU time of named phases: `with timers("solve"): ...`.
 
-    Phases may be nested: each counts all the time inside it. A phase inside itself counts once.
+    Phases may be nested: each counts all the time inside it. A phase inside itself counts once. A rank that waits for
+    others uses wall time. It depends on the MPI library whether it also uses CPU time.
 
-    Attributes
-    ----------
-    seconds : dict of phase -> seconds so far on this rank, in the order of first use
+    seconds, cpu : dict of phase -> wall or CPU seconds so far on this rank, in the order of first use
     """
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
+        self.cpu: dict[str, float] = {}
         self._open: set[str] = set()
 
     def __call__(self, phase: str) -> "_Phase":
         return _Phase(self, phase)
 
-    def begin(self, phase: str) -> tuple[float, ...] | None:
-        """Return what the clocks show [s] as a phase begins, None inside itself."""
+    def begin(self, phase: str) -> tuple[float, float] | None:
+        """Return wall and CPU time [s] as a phase begins, None inside itself."""
         if phase in self._open:
             return None
         self._open.add(phase)
         self.seconds.setdefault(phase, 0.0)
-        return self.now()
+        self.cpu.setdefault(phase, 0.0)
+        return perf_counter(), process_time()
 
-    def end(self, phase: str, start: tuple[float, ...] | None) -> None:
-        """Count a phase that began when the clocks showed `start`; nothing if that is None."""
+    def end(self, phase: str, start: tuple[float, float] | None) -> None:
+        """Count a phase that began at `start`; nothing if that is None."""
         if start is not None:
-            self.count(phase, start)
+            self.seconds[phase] += perf_counter() - start[0]
+            self.cpu[phase] += process_time() - start[1]
             self._open.discard(phase)
 
-    def now(self) -> tuple[float, ...]:
-        """Return what the clocks show [s], that of wall time first."""
-        return (perf_counter(),)
-
-    def count(self, phase: str, start: tuple[float, ...]) -> None:
-        """Add to a phase what has passed since the clocks showed `start`."""
-        self.seconds[phase] += perf_counter() - start[0]
-
     def reduce(self, comm: Communicator) -> dict[str, dict[str, float]]:
-        """Return {phase: {"max": s, "mean": s}} over the ranks, the same on all. Collective.
+        """Return {phase: {"max": s, "mean": s, "cpu": s}} over the ranks, the same on all. Collective.
 
-        A phase that a rank never entered counts as 0 s there.
+        max, mean : of wall time, in which a phase that a rank never entered counts as 0 s; cpu : of all ranks together
         """
         known = dict.fromkeys(name for names in comm.allgather(list(self.seconds)) for name in names)
-        mine = [self.seconds.get(name, 0.0) for name in known]
-        everyone = np.array(comm.allgather(mine))
-        return {name: {"max": float(column.max()), "mean": float(column.mean())}
-                for name, column in zip(known, everyone.T, strict=True)}
+        everyone = comm.allgather([(self.seconds.get(name, 0.0), self.cpu.get(name, 0.0)) for name in known])
+        return {name: {"max": float(wall.max()), "mean": float(wall.mean()), "cpu": float(cpu.sum())}
+                for name, ranks in zip(known, zip(*everyone), strict=True) for wall, cpu in [np.transpose(ranks)]}
 
 
 class _Phase:
@@ -141,7 +130,7 @@ class _Phase:
 
     def __init__(self, timers: Timers, phase: str) -> None:
         self.timers, self.phase = timers, phase
-        self.start: tuple[float, ...] | None = None
+        self.start: tuple[float, float] | None = None
 
     def __enter__(self) -> None:
         self.start = self.timers.begin(self.phase)

@@ -24,9 +24,7 @@ def read_text(path: AnyPath, most: float = MOST) -> str:
 
     most : number of bytes that the file may have, math.inf for any (a file that parisph itself wrote)
 
-    Raises
-    ------
-    OSError, whose strerror is one line: the file does not exist, is a folder, a pipe or a device (which is not
+    Raises OSError, whose strerror is one line: the file does not exist, is a folder, a pipe or a device (which is not
     opened), has more than `most` bytes, or is not text.
     """
     return read_exactly(path, most).removeprefix("\ufeff")
@@ -57,8 +55,7 @@ def read_columns(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
     Columns are separated by commas, semicolons, tabs or blanks, whichever splits all lines alike. Numbers with decimal
     commas are returned with points. Lines that begin with '#' and empty lines are left out.
 
-    Raises
-    ------
+    Raises:
     OSError as read_text. ValueError, one line that shows little of the file: there is no header, a column has no name
     or that of another one, a line has too few or too many cells, or the file can be read in two ways.
     """

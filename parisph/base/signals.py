@@ -37,8 +37,6 @@ class Signals:
     kills its ranks within about a second. This also ends a rank that waits inside PETSc or HDF5 for
     one that hangs: these hold Python's lock, so that the thread cannot run.
 
-    Attributes
-    ----------
     seen : number of the first signal to this process, else None
     left : text about the files on disk and how to resume; rank 0 prints it at the end
     rank : rank of this process

@@ -64,8 +64,6 @@ class Sponge(Zone):
     the tank. Waves as long as the zone come back with 1 to 2.5 % of their height, waves half as long with .3 %
     (kd = .8 to 3).
 
-    Examples
-    --------
     >>> Sponge(start=8.0, length=2.0).end
     10.0
     """
@@ -84,8 +82,6 @@ class Relaxation(Zone):
     ramp : time [s] over which the wave grows from rest; 0 for a scene that starts with the wave
     level : height y of the still surface [m], by default the top of the fluid's shape
 
-    Examples
-    --------
     >>> from parisph.case.waves import Airy
     >>> zone = Relaxation(start=0.0, length=2.0, wave=Airy(height=0.02, period=1.2, depth=0.5), ramp=2.4)
     >>> zone.wave.depth
@@ -99,7 +95,6 @@ class Relaxation(Zone):
     level: float | None = Field(default=None, kw_only=True, description="height y of the still surface [m]")
 
     def target(self, x: Floats, t: float, level: float) -> Floats | float:
-        """See Zone."""
         bed = (level if self.level is None else self.level) - self.wave.depth
         grown = float(np.sin(0.5 * np.pi * np.clip(t / self.ramp, 0.0, 1.0)) ** 2) if self.ramp else 1.0
         return grown * np.stack(self.wave.velocity(x[:, 0], x[:, -1] - bed, t), axis=1)
@@ -111,8 +106,6 @@ AnyZone = Annotated[Union[Sponge, Relaxation], Field(discriminator="kind", descr
 class Absorber:
     """The zones of a scene: what they do to water at any place.
 
-    Parameters
-    ----------
     zones : of the case
     ends : x of both ends of the tank [m]
     level, depth : height y of the still surface, and depth of the water [m]; g : [m/s2]

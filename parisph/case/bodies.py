@@ -27,8 +27,6 @@ class Profile(Model):
     The points may be given either way round. Where the first lies above the last, as at a vertical wall, nothing is
     above: then `side` says on which side of the way along the points the fluid is.
 
-    Examples
-    --------
     >>> Profile(points=((0.0, 0.0), (2.0, 0.0), (4.0, 0.5)), name="beach").fluid_on_left
     True
     """
@@ -63,8 +61,6 @@ class Profile(Model):
 class Obstacle(Model):
     """A solid with fluid around it: a Box, Disc or Polygon, which may stand on a bed or overlap other bodies.
 
-    Examples
-    --------
     >>> Obstacle(Box(width=0.1, height=0.2, at=(1.0, 0.0)), name="box").slip
     'free'
     """
@@ -90,8 +86,6 @@ class Obstacle(Model):
 class Plate(Model):
     """A thin wall without thickness, with fluid on both sides: straight lines between points [m].
 
-    Examples
-    --------
     >>> Plate(points=((1.0, 0.0), (1.0, 0.3)), name="baffle", slip="none").name
     'baffle'
     """
@@ -116,8 +110,6 @@ class Plate(Model):
 class StillWater(Model):
     """Water at rest that fills what the walls enclose up to a level [m], but for what other fluid is given.
 
-    Examples
-    --------
     >>> StillWater(level=0.3).level
     0.3
     """
@@ -133,8 +125,6 @@ class Piston(Model):
     It stands on the bed below it, over which it slides, and is as high as the other walls, unless `bottom` and `top`
     say otherwise. Walls behind it are dry. A wave that runs to the left has the fluid on the left.
 
-    Examples
-    --------
     >>> Piston(at=0.0, wave=SolitaryWave(height=0.05, depth=0.25)).fluid_on_left
     False
     >>> Piston(at=4.0, motion=Sway(amplitude=0.5, frequency=2.0), side="left").moved.top_rate
@@ -157,7 +147,7 @@ class Piston(Model):
         return self
 
     @property
-    def moved(self) -> Motion:
+    def moved(self) -> AnyMotion:
         """Its motion."""
         if self.motion is not None:
             return self.motion
@@ -181,8 +171,6 @@ class Flap(Model):
     It makes a `wave`, or has a `motion`, a rotation about the hinge. The hinge lies on a bed or on an obstacle. As of
     a Piston: `top`, and the side of the fluid.
 
-    Examples
-    --------
     >>> Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.5, depth=0.5)).moved.kind
     'flap_stroke'
     """
@@ -206,7 +194,7 @@ class Flap(Model):
         return self
 
     @property
-    def moved(self) -> Motion:
+    def moved(self) -> AnyMotion:
         """Its motion."""
         if self.motion is not None:
             return self.motion

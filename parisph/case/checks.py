@@ -63,7 +63,7 @@ def _turning(case: Scene) -> Iterator[str]:
     if METHODS[case.numerics.method].step == "compressible":
         yield (f"frame = {case.frame.kind}: weakly compressible SPH has no Coriolis force; choose a projection method, "
                "or a frame that does not turn")
-    elif "coriolis" not in (numerics.forces or ()):
+    elif "coriolis" not in numerics.forces:
         yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
 
 
@@ -76,7 +76,7 @@ def _absorbing(case: Scene) -> Iterator[str]:
     yield from absorb.problems(case.zones, case.ends)
     if METHODS[case.numerics.method].step == "compressible":
         yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
-    elif "absorb" not in (case.numerics.resolved().forces or ()):
+    elif "absorb" not in case.numerics.resolved().forces:
         yield "absorb: needs the force 'absorb'; add it to numerics.forces"
 
 
@@ -92,7 +92,7 @@ def _friction(case: Scene) -> Iterator[str]:
         return
     if METHODS[case.numerics.method].step == "compressible":
         yield "friction: weakly compressible SPH has none; choose a projection method, or leave it out"
-    elif "friction" not in (case.numerics.resolved().forces or ()):
+    elif "friction" not in case.numerics.resolved().forces:
         yield "friction: needs the force 'friction'; add it to numerics.forces"
     if all(_sticks(body) for body in case.bodies):
         yield ("friction: acts on walls along which fluid slips, and this scene has none; leave it out, "

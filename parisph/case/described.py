@@ -56,5 +56,5 @@ def _bare(annotation: Any) -> Any:
     if origin in (typing.Union, types.UnionType):
         return typing.Union[tuple(_bare(part) for part in parts)]
     if origin is tuple:
-        return tuple[tuple(_bare(part) for part in parts)]    # type: ignore[misc]
+        return tuple[tuple(_bare(part) for part in parts)]    # type: ignore[misc]    # made at run time
     return annotation

@@ -111,7 +111,7 @@ def _motions(case: Scene) -> Iterator[str]:
         if angle > FURTHEST:
             yield (f"{name}: the angle of the Roll reaches {angle:.3g} rad, {math.degrees(angle):.3g} degrees: did you "
                    f"mean {_radians(motion)}?")
-        pull = _acceleration(motion)
+        pull = abs(motion.amplitude) * motion.omega**2 if isinstance(motion, (Sway, Heave)) else 0.0    # [m/s2]
         if 0.0 < HARDEST * g < pull:
             yield (f"{name}: its acceleration reaches {pull:.3g} m/s2, {pull / g:.2g} times gravity: did you mean "
                    "another unit? An amplitude is in m, a frequency in rad/s")
@@ -131,11 +131,6 @@ def _radians(motion: Motion) -> str:
     if isinstance(motion.amplitude, Series):
         return "degrees, Series(..., scale=radians(1.0))"
     return f"radians({motion.amplitude!r}), {math.radians(motion.amplitude):.3g} rad"
-
-
-def _acceleration(motion: Motion) -> float:
-    """Return the greatest acceleration [m/s2] of a harmonic translation, 0 for others."""
-    return abs(motion.amplitude) * motion.omega**2 if isinstance(motion, (Sway, Heave)) else 0.0
 
 
 def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:

@@ -39,18 +39,13 @@ class VectorField(Protocol):
 def compile_expression(text: str | float, names: tuple[str, ...]) -> Callable[..., Floats]:
     """Compile an expression once to a numpy function.
 
-    Parameters
-    ----------
     text : str or float
     names : tuple of str, the variables that may occur, for example ("x", "y", "t")
 
-    Returns
-    -------
+    Returns:
     function(**variables) -> float64 array of the broadcast shape of all variables given
 
-    Raises
-    ------
-    ValueError : says what is not allowed in the text, and what is allowed
+    Raises ValueError: says what is not allowed in the text, and what is allowed
     """
     tree = _parse(str(text), names)
     used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
@@ -82,18 +77,13 @@ def uniform_field(components: Sequence[str | float]) -> Floats | None:
 def vector_field(components: tuple[str | float, ...], with_time: bool) -> VectorField:
     """Compile the components of a vector field of position (and time), once.
 
-    Parameters
-    ----------
     components : tuple of float or str, one for each dimension
     with_time : bool, whether t may occur
 
-    Returns
-    -------
+    Returns:
     function(x, t=0.0) -> a new float64 array (n, dim), for positions x (n, dim) [m] and t [s]
 
-    Raises
-    ------
-    ValueError : see compile_expression
+    Raises ValueError: see compile_expression
     """
     dim = len(components)
     names = variable_names(dim, with_time)

@@ -27,8 +27,6 @@ FluidShape = Annotated[Union[Box, Disc, Polygon, StillWater],
 class Fluid(Model):
     """A body of one fluid and how it starts.
 
-    Attributes
-    ----------
     shape : Box, Disc, Polygon or StillWater; parts of it that lie in or behind walls are left out
     density : [kg/m3]
     velocity : components [m/s], numbers or expressions of x, y
@@ -41,8 +39,6 @@ class Fluid(Model):
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
 
-    Examples
-    --------
     >>> water = Fluid(Box(width=1.0, height=0.4), density=1000.0, velocity=("0.1*cos(pi*x)", 0.0))
     >>> Fluid(Box(width=1.0, height=0.4), density=1000.0, elevation="0.02*cos(pi*x)").raised
     True

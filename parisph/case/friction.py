@@ -16,13 +16,9 @@ class Friction(Model):
     The power law is within a tenth of the logarithmic one up to y+ = 1e3, and gives six tenths of its stress at 1e5.
     There is no transition from smooth to rough, and a particle nearer to the wall than k feels what it would at k.
 
-    Attributes
-    ----------
     viscosity : kinematic, of the fluid [m2/s]; 0 for the friction of roughness alone
     roughness : height k of sand grains that would give the same friction [m], at most the spacing
 
-    Examples
-    --------
     >>> water = Friction()
     >>> concrete = Friction(roughness=0.001)
     """

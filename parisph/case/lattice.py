@@ -16,14 +16,10 @@ STRETCH = 0.15  # of a spacing, by which the step along one axis may make up for
 class Lattice:
     """Points origin + step * index.
 
-    Parameters
-    ----------
     shape : Box, Disc or Polygon
-    tank : Tank or None
     spacing : [m]
 
-    Attributes
-    ----------
+    Attributes:
     origin, step : (dim,) [m]
     first, counts : (dim,) int64, least index and number of points of the smallest block that holds the fluid
     top : (dim,) int64 index of the tank's far corner, or None without a tank
@@ -44,11 +40,10 @@ class Lattice:
             self.step = even_steps(size, spacing) if tank is None else whole
         self.first: Ints = np.ceil((lower - self.origin - tolerance) / self.step).astype(np.int64)
         last = np.floor((upper - self.origin + tolerance) / self.step).astype(np.int64)
-        self.top: Ints | None = None
         # for each axis whether the tank has a wall at its upper end
         self._closed_above = np.array([True] * (len(lower) - 1) + [tank is not None and tank.closed], dtype=bool)
         if tank is not None:  # the walls, and the open top's rim, belong to the wall particles
-            self.top = np.round(tank.size / self.step).astype(np.int64)
+            self.top: Ints = np.round(tank.size / self.step).astype(np.int64)
             self.first = np.maximum(self.first, 1)
             last = np.minimum(last, self.top - self._closed_above)
         self.counts: Ints = np.maximum(last - self.first + 1, 0)
@@ -63,7 +58,6 @@ class Lattice:
         The face sum adds the inward unit vectors of all walls that a point lies on: two of them in a corner. The rim of
         an open tank belongs to the side walls alone.
         """
-        assert self.top is not None
         shape, closed, faces = tuple(self.top + 1), self._closed_above, []
         for axis, upper in enumerate(closed):
             for place in (0, self.top[axis])[: 1 + upper]:

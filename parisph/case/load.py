@@ -31,14 +31,11 @@ MOST_STORED = 128 * 10**6    # bytes of a stored case: each of its fields may ha
 def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
     """Return the Case that a case file describes. Not collective, needs no MPI.
 
-    Parameters
-    ----------
     path : a Python file with a function `case(...) -> Case` whose parameters all have defaults, or the
         case.json of a run
     sets : dict of parameter values, or a list of texts "name=value"
 
-    Raises
-    ------
+    Raises:
     CaseError : the file, a parameter or the case itself is wrong; says where and what to do. Any exception in the
         code of the case file (also SystemExit, but not KeyboardInterrupt) becomes a CaseError.
     """

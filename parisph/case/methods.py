@@ -12,8 +12,6 @@ from parisph.case.presets import USUAL, WITHOUT_FILMS
 class Method:
     """A method: words for its parts, and numbers that replace those of the preset.
 
-    Attributes
-    ----------
     name : the word of a case
     source : paper and equation, such as "Z14 Eq 23" (Zheng, Ma & Duan 2014; Z17 is Zheng et al. 2017)
     values : {field of Numerics: value} that the method sets, unless the case does

@@ -25,9 +25,7 @@ class Model(BaseModel, metaclass=Described):
 
     Fields may be given by position, in the order in which the class lists them, or by name.
 
-    Raises
-    ------
-    CaseError : one line for each problem, with field, value, limit and remedy.
+    Raises CaseError: one line for each problem, with field, value, limit and remedy.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True,

@@ -24,8 +24,6 @@ LISTS = {"forces": "force", "regularisers": "regulariser"}
 class Numerics(Model):
     """Method, resolution and time step. Fields that are None take the preset's value.
 
-    Attributes
-    ----------
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
     time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
@@ -66,8 +64,6 @@ class Numerics(Model):
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
     seed : seed of the jitter
 
-    Examples
-    --------
     >>> Numerics(spacing=0.02).resolved().cfl    # from the preset "violent"
     0.8
     >>> waves = Numerics(spacing=0.02, preset="gentle", time_step=0.002, jitter=0.2, seed=1)
@@ -179,7 +175,7 @@ class Numerics(Model):
             )
         return self
 
-    def resolved(self) -> "Numerics":
+    def resolved(self) -> "ResolvedNumerics":
         """Return a copy in which the values of the method, or else of the preset, replace None."""
         values = {**PRESETS[self.preset], **METHODS[self.method].values}
         missing = {name: value for name, value in values.items() if getattr(self, name) is None}
@@ -187,7 +183,45 @@ class Numerics(Model):
             missing["zeta_time"] = 0.0
         elif self.zeta_time:
             missing.pop("zeta", None)  # it follows from the time step
-        return self.model_copy(update=missing)
+        return ResolvedNumerics.model_construct(self.model_fields_set | missing.keys(), **{**vars(self), **missing})
+
+
+class ResolvedNumerics(Numerics):
+    """Numerics in which every value is set that has no meaning of its own when it is None: see Numerics.resolved.
+
+    `zeta` is None where it follows from zeta_time.
+    """
+
+    cfl: float = Field(kw_only=True)
+    fall: float = Field(kw_only=True)
+    wave_step: float = Field(kw_only=True)
+    zeta_time: float = Field(kw_only=True)
+    residual_strain: float = Field(kw_only=True)
+    volume_time: float = Field(kw_only=True)
+    gamma: float = Field(kw_only=True)
+    strain: float = Field(kw_only=True)
+    kappa: float = Field(kw_only=True)
+    shift: float = Field(kw_only=True)
+    kappa_strain: float = Field(kw_only=True)
+    shift_strain: float = Field(kw_only=True)
+    filter: float = Field(kw_only=True)
+    filter_strain: float = Field(kw_only=True)
+    collision_distance: float = Field(kw_only=True)
+    restitution: float = Field(kw_only=True)
+    wall_guard: float = Field(kw_only=True)
+    laplacian: str = Field(kw_only=True)
+    divergence: str = Field(kw_only=True)
+    source: str = Field(kw_only=True)
+    forces: Several[str] = Field(kw_only=True)
+    regularisers: Several[str] = Field(kw_only=True)
+    surface_rule: str = Field(kw_only=True)
+    surface_offset: float = Field(kw_only=True)
+    pressure_mean: float = Field(kw_only=True)
+    wall_rows: str = Field(kw_only=True)
+    gradient: str = Field(kw_only=True)
+    surface_gradient: str = Field(kw_only=True)
+    stepping: str = Field(kw_only=True)
+    rtol: float = Field(kw_only=True)
 
 
 class Output(Model):
@@ -203,8 +237,6 @@ class Output(Model):
         times, interpolated linearly in time between steps
     budget : whether steps.csv also has the energy that the fluid gained by each part of the step
 
-    Examples
-    --------
     >>> Output(every=0.05, times=(0.012,), fields=("u", "p"), probe_interval=0.001).fields
     ('u', 'p')
     """

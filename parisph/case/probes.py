@@ -115,11 +115,11 @@ class Probe(Measure, Model):
         return None
 
     def title(self, scene: Any) -> str:
-        """Return the words for the head of its file: the first line of the class. scene : watch.sampling.Scene"""
+        """Return the words for the head of its file: the first line of the class. scene : watch.sampling.ProbeScene"""
         return (type(self).__doc__ or type(self).__name__).strip().partition("\n")[0].rstrip(".")
 
     def columns_in(self, scene: Any) -> dict[str, str]:
-        """Return {column: unit}. scene : watch.sampling.Scene"""
+        """Return {column: unit}. scene : watch.sampling.ProbeScene"""
         return dict(self.columns)
 
     def problems(self, case: Any) -> Iterator[str]:
@@ -145,7 +145,7 @@ class Probe(Measure, Model):
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """Yield what it does not measure, but may have touched it, and at which of its samples (n,) it did.
 
-        values : (columns, n) of a run of the case; scene : watch.sampling.Scene
+        values : (columns, n) of a run of the case; scene : watch.sampling.ProbeScene
         """
         yield "no value, outside the fluid,", ~np.isfinite(values).all(axis=0)
 
@@ -154,7 +154,7 @@ class Probe(Measure, Model):
         return ()
 
     def begin(self, scene: Any) -> Measure:
-        """Return what measures it in a run: this record, or what keeps more. scene : watch.sampling.Scene"""
+        """Return what measures it in a run: this record, or what keeps more. scene : watch.sampling.ProbeScene"""
         return self
 
 
@@ -272,8 +272,6 @@ class ProbeArray(Probe):
 
     truth : Profiles of the surface, for an array of nothing but SurfaceGauges
 
-    Examples
-    --------
     >>> gauges = ProbeArray("gauges", [SurfaceGauge(f"x{x}", at=x) for x in (1, 2, 3)])
     >>> [probe.name for probe in gauges.probes]
     ['x1', 'x2', 'x3']

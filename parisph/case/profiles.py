@@ -21,8 +21,6 @@ class Profiles(Model):
     Each profile is compared at the gauges between its ends, at its own time, and no shift. Where it overturns, the
     upper surface counts, as it does for a gauge.
 
-    Attributes
-    ----------
     file : path, relative to the case file
     time, x, value : names of the columns
     offset, scale : height = offset + scale * column [m]
@@ -32,8 +30,6 @@ class Profiles(Model):
     rows : {column: word}, only the lines that have these words in these columns
     name, note, published, others : as of a Truth; the others may be at other times
 
-    Examples
-    --------
     >>> measured = Profiles("photos.csv", time="t_s", x="x_cm", value="y_cm", scale=0.01, x_scale=0.01)
     >>> gauges = [SurfaceGauge(f"x{k}", at=0.1 * k) for k in (4, 5, 6)]
     >>> ProbeArray("profile", gauges, truth=measured).truth.x_scale

@@ -29,8 +29,6 @@ MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginnin
 class Scales:
     """Expected scales of a scene.
 
-    Attributes
-    ----------
     wave : the wave of level water, by linear theory; None for other scenes, and without one
     times : (n,) [s], from 0 to the end of the run
     speeds : (n,) largest speed of a particle at these times [m/s]

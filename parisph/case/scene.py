@@ -220,9 +220,9 @@ class Scene(Model):
         It is the force on what rests in the tank; in a tank that turns, Coriolis' force is another part of the method.
         """
         force = self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t)
-        felt = self.frame.felt(x, t)
+        frame = self.frame.acceleration_at(x, t)
         for axis in range(self.dim):    # numpy is slow along a short last axis
-            force[:, axis] += felt[..., axis]
+            force[:, axis] -= frame[:, axis]
         return force
 
     @property

@@ -16,7 +16,7 @@ from parisph.case.friction import Friction
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, Roll, Series, Sway, Tabulated
-from parisph.case.numerics import Numerics, Output
+from parisph.case.numerics import Numerics, Output, ResolvedNumerics
 from parisph.case.origin import Origin
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import ProbeArray
@@ -42,8 +42,6 @@ READ_ONLY = "read only"
 class Case(Scene):
     """A scene and how it is computed, in SI units.
 
-    Attributes
-    ----------
     title : one line, shown in pictures and tables
     source : where the scene is from, such as a paper and its figures; shown on pages
     fluid : Fluid, or several of one density and viscosity, which do not overlap
@@ -58,12 +56,8 @@ class Case(Scene):
     asked : None, or in a stored case the numerics as given by the user; `numerics` then also
         contains the values of the preset
 
-    Raises
-    ------
-    CaseError : with one line for each problem
+    Raises CaseError: with one line for each problem
 
-    Examples
-    --------
     >>> case = Case(title="Water at rest", fluid=Fluid(Box(width=1.0, height=0.4), density=1000.0),
     ...             walls=Tank(width=1.0, height=0.6), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05),
     ...             probes=[PressureTap("tap", at=(0.0, 0.2))], end_time=1.0)
@@ -93,7 +87,7 @@ class Case(Scene):
             raise ValueError(first_lines(found))
         return self
 
-    def complete_numerics(self) -> Numerics:
+    def complete_numerics(self) -> ResolvedNumerics:
         """Return the numerics in which every value is set; a closed case has no free surface."""
         numerics = self.numerics
         if not self.closed:
@@ -103,7 +97,7 @@ class Case(Scene):
                if getattr(numerics, name) is None and (name == "surface_rule" or name not in method)}
         return numerics.resolved().model_copy(update=own)
 
-    def resolved(self, numerics: Numerics) -> "Case":
+    def resolved(self, numerics: ResolvedNumerics) -> "Case":
         """Return the case with the resolved `numerics`; `asked` keeps those given by the user."""
         return self.model_copy(update={"numerics": numerics, "asked": self.asked or self.numerics})
 
@@ -112,9 +106,7 @@ class Case(Scene):
 
         In a stored case, a new preset replaces the values of the old one, but not those given by the user.
 
-        Raises
-        ------
-        CaseError : an unknown name, or a case that cannot run
+        Raises CaseError: an unknown name, or a case that cannot run
         """
         data = self.model_dump()
         for name, value in values.items():

@@ -30,8 +30,6 @@ Name = Annotated[str, Field(max_length=60, pattern=r"^([A-Za-z][A-Za-z0-9_-]*)?$
 class Box(Model):
     """A rectangle of fluid: width x height [m], with its lower left corner `at` [m].
 
-    Examples
-    --------
     >>> Box(width=2.0, height=0.5, at=(0.0, 0.1)).area
     1.0
     """
@@ -67,8 +65,6 @@ class Box(Model):
 class Disc(Model):
     """A disc of fluid: radius [m] about its centre `at` [m].
 
-    Examples
-    --------
     >>> print(f"{Disc(radius=0.5, at=(1.0, 1.0)).area:.4f} m2")
     0.7854 m2
     """
@@ -98,8 +94,6 @@ class Disc(Model):
 class Polygon(Model):
     """A polygon of fluid, given by its corners in order, either way round [m].
 
-    Examples
-    --------
     >>> Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))).area
     0.25
     """
@@ -158,8 +152,6 @@ class Lid(Model):
 
     Only viscous fluid notices, or one with friction on walls (`Case(friction=...)`).
 
-    Examples
-    --------
     >>> Tank(width=1.0, height=1.0, lid=Lid(velocity=0.5), no_slip=True).closed
     True
     """
@@ -176,8 +168,6 @@ class Tank(Model):
     With a lid it is closed; without one its side walls end at the top, and water may leave
     it there. Viscous fluid sticks to the walls named in `no_slip`, and slips along the others.
 
-    Examples
-    --------
     >>> Tank(width=2.0, height=1.0, lid=True, no_slip=("bottom",)).sticky
     ('bottom',)
     """

@@ -36,7 +36,8 @@ def from_json(text: str, read_only: bool = False) -> Case:
     try:
         content = json.loads(text, object_pairs_hook=_each_once)
     except (ValueError, RecursionError) as error:
-        raise CaseError(f"not a stored case: {_first_line(error)}") from None
+        said = str(error).partition("\n")[0][:80] or type(error).__name__
+        raise CaseError(f"not a stored case: {said}") from None
     if not isinstance(content, dict):
         raise CaseError(f"not a stored case: it holds a {type(content).__name__}, not an object")
     version = content.get("schema", 0)
@@ -95,7 +96,7 @@ def _check_asked(used: Numerics, asked: Numerics) -> None:
 def _with_asked(case: Case) -> Case:
     """Return a case from before `asked` was stored with it: values of the preset were not given by the user."""
     numerics = case.numerics
-    if numerics.resolved() != numerics:
+    if numerics.resolved().model_dump() != numerics.model_dump():
         return case    # not resolved: these are the values that the user gave
     preset = preset_values(numerics.preset, case.closed)
     same = [name for name, value in preset.items() if getattr(numerics, name) == value]
@@ -109,7 +110,3 @@ def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         names = [name for name, _ in pairs]
         raise ValueError(f"{shown(next(name for name in found if names.count(name) > 1))} is given twice")
     return found
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).partition("\n")[0][:80] or type(error).__name__

@@ -91,10 +91,10 @@ def _time_steps(case: Scene) -> Iterator[tuple[float, str]]:
     yield longest, (f"{'frame' if longest == frame.longest_step else 'walls'}: {1 / SHARE:.0f} steps in a period of "
                     f"{longest / SHARE:.2g} s")
     speed = frame.top_speed(*case.wall_bounds) if case.wall_bounds is not None else 0.0
-    if speed > 0.0 and n.cfl is not None:
+    if speed > 0.0:
         yield n.cfl * n.spacing / speed, f"frame: a tank that moves at {speed:.2g} m/s"
     wall = scenery.wall_speed(case)
-    if wall > 0.0 and n.cfl is not None:
+    if wall > 0.0:
         yield n.cfl * n.spacing / wall, f"walls: one that moves at {wall:.2g} m/s"
     if n.max_time_step is not None:
         yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"

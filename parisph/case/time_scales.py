@@ -59,11 +59,11 @@ def stable_time_step(case: Scene) -> tuple[float, str]:
     lower, upper = case.fluid_bounds
     cfl = case.numerics.resolved().cfl
     if case.numerics.preset == "violent":
-        if cfl is not None and case.numerics.time_step is not None:
+        if case.numerics.time_step is not None:
             cfl = min(cfl, STEADY)
         speed += np.sqrt(2.0 * g * (upper - lower)[-1])
     by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
-    by_speed = cfl * s / speed if speed > 0.0 and cfl is not None else np.inf
+    by_speed = cfl * s / speed if speed > 0.0 else np.inf
     if by_speed < by_waves:
         return by_speed, f"moves the fastest fluid by {cfl:g} spacings"
     return by_waves, "resolves the shortest waves on the lattice"

@@ -24,8 +24,6 @@ class PeakBand(Model):
     level : level at rest from which values count when they are compared with the band, in the probe's unit: the height
         of still water, where `low` and `high` are heights above the bed
 
-    Examples
-    --------
     >>> PeakBand(start=2.2, end=2.6, low=2100.0, high=4300.0).high
     4300.0
     """
@@ -59,8 +57,6 @@ class Peaks(Model):
     bands : one PeakBand for each greatest value
     name : whose numbers they are, as pages call them; note : what a reader of them should know
 
-    Examples
-    --------
     >>> impact = Peaks([PeakBand(start=0.3, end=0.5, when=0.36)], name="Z17, Sec. 6.2")
     >>> PressureTap("P2", at=(1.18, 0.01), truth=impact).truth.bands[0].when
     0.36
@@ -93,8 +89,6 @@ class Truth(Model):
 
     Commas, semicolons, tabs or blanks separate columns; with the last three, numbers may have decimal commas.
 
-    Attributes
-    ----------
     file : path, relative to the case file
     time, value : names of the columns
     offset, scale : truth = offset + scale * column, in the probe's unit
@@ -111,8 +105,6 @@ class Truth(Model):
     peaks : bands of the greatest values, one PeakBand for each
     others : further references, which are compared in the same way
 
-    Examples
-    --------
     >>> truth = Truth("gauge.csv", time="t_s", value="eta_mm", scale=0.001, offset=0.4, wave=True)
     >>> SurfaceGauge("gauge", at=0.5, truth=truth).truth.scale
     0.001
@@ -146,8 +138,6 @@ class WaveTruth(Model):
     of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
     window : (start, end) [s] of what is compared; None for all
 
-    Examples
-    --------
     >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
     >>> gauge = SurfaceGauge("gauge", at=2.0, truth=WaveTruth(wave, level=0.25))
     >>> print(f"{gauge.truth.series(2.0, [0.0])[0]:.3f} m")
@@ -180,8 +170,7 @@ def intervals(truth: Model | None) -> tuple[tuple[float, float], ...]:
 def read_truth(truth: Truth) -> tuple[Floats, Floats]:
     """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth, of all times.
 
-    Raises
-    ------
+    Raises:
     CaseError : the file cannot be read, a column is missing, or a value is not a number. The message shows only a
         few words of the file, because a stored case may name any file.
     """

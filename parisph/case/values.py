@@ -30,7 +30,7 @@ def faults(fields: Mapping[str, FieldInfo], data: Mapping[str, Any]) -> Iterator
     for name, value in data.items():
         kinds = _kinds(fields[name].annotation) if name in fields else None
         if kinds and not _are_sound(value, kinds):
-            positive = _is_positive(fields[name])
+            positive = any(getattr(item, "gt", None) == 0 for item in fields[name].metadata)
             for count, (place, item) in enumerate(_items(value)):
                 limit = (_fault(item, kinds, positive) if count < MOST_VALUES
                          else f"one of at most {MOST_VALUES:,} values")
@@ -100,7 +100,3 @@ def _kinds(annotation: Any) -> set[type]:
         return {type(value) for value in typing.get_args(annotation)} & _SCALARS
     found = {annotation} & _SCALARS if isinstance(annotation, type) else set()
     return found.union(*map(_kinds, typing.get_args(annotation)))
-
-
-def _is_positive(field: FieldInfo) -> bool:
-    return any(getattr(item, "gt", None) == 0 for item in field.metadata)

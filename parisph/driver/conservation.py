@@ -15,7 +15,7 @@ from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
 from parisph.watch.probes.energy_probe import Energy
 from parisph.watch.probes.volume import Volume
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
@@ -82,9 +82,6 @@ class Conservation:
     distances even, which changes the energy of all of them by more than that of waves. It is not known while the
     surface is torn; if it never is, the energy itself is not judged.
 
-    Parameters
-    ----------
-    simulation : Simulation
     state : dict of an earlier part of the run (`state()`), possibly empty
     start : {"energy", "volume"} at the start of the run or None, if `state` does not contain it
     """
@@ -92,7 +89,7 @@ class Conservation:
     def __init__(self, simulation: Simulation, state: Mapping[str, Any] | None = None,
                  start: Mapping[str, float | None] | None = None) -> None:
         case = simulation.case
-        self._scene = Scene.of(case)
+        self._scene = ProbeScene.of(case)
         self._energy = Energy(name="energy")
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
@@ -120,7 +117,9 @@ class Conservation:
     def content(self) -> dict[str, Any]:
         """Return the entries of summary.json. Not collective."""
         energy, volume, motion = self.energy, self.volume, self.motion
-        start, end, high = (self._without_rounding(value) for value in (motion.start, motion.now, motion.high))
+        nothing = ROUNDING * abs(energy.start or 0.0)    # what rounding leaves of the whole energy
+        start, end, high = (0.0 if value is not None and abs(value) <= nothing else value
+                            for value in (motion.start, motion.now, motion.high))
         change = None
         first, last = energy.start, energy.now
         if not self.driven and start is not None and start > 0.0 and first is not None and last is not None:
@@ -137,14 +136,6 @@ class Conservation:
             "driven": self.driven,
         }
 
-    def _without_rounding(self, motion: float | None) -> float | None:
-        """Return an energy in motion, 0 if it is only what rounding leaves of the whole energy; None stays None."""
-        return 0.0 if motion is not None and abs(motion) <= ROUNDING * abs(self.energy.start or 0.0) else motion
-
-    def warnings(self) -> list[str]:
-        """Return one line for each warning. Not collective."""
-        return [*self.passed().values()]
-
     def passed(self) -> dict[str, str]:
         """Return {limit that was passed: the line that says so}. Not collective."""
         found = {}
@@ -154,7 +145,7 @@ class Conservation:
                 found[f"volume {name}"] = (
                     f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, more "
                     f"than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
-        judged = self.by_surface and not self.motion.missing    # by driver.doubts, as energy in motion
+        judged = self.by_surface and not self.motion.missing    # by driver.diagnostics, as energy in motion
         if energy and not self.driven and not judged and energy["high"] > ENERGY_LIMIT:
             found["energy"] = (
                 f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though "
@@ -203,7 +194,7 @@ class Conservation:
             self.volume.add(s.time, found["volume"][0])
 
 
-def has_level(case: Case, scene: Scene) -> bool:
+def has_level(case: Case, scene: ProbeScene) -> bool:
     """Return whether the water is as wide as a tank at rest that is all its walls, under gravity straight down.
 
     Then its surface has a level, whose height is its volume over the width of the tank.
@@ -218,7 +209,7 @@ def has_level(case: Case, scene: Scene) -> bool:
     return bool(on_bed and np.allclose((lower[0], upper[0]), (scene.lower[0], scene.upper[0])))
 
 
-def _lowest(scene: Scene) -> float:
+def _lowest(scene: ProbeScene) -> float:
     """Return the least potential energy of a volume of fluid in the scene's box [J/m^3].
 
     The datum is that of the probe Energy.
@@ -226,7 +217,7 @@ def _lowest(scene: Scene) -> float:
     return scene.density * float(np.minimum(0.0, scene.gravity * (scene.lower - scene.upper)).sum())
 
 
-def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
+def _rest(case: Case, scene: ProbeScene) -> Callable[[float], float] | None:
     """Return the potential energy at rest as a function of the volume, or None if it is not defined.
 
     It is defined for a tank with vertical walls under gravity that points down. Particles represent the volumes

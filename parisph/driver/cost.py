@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from parisph.base import environment
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 
 # Measured with `python tests/benchmarks/step_cost.py` and with cases/small_sloshing.py on one core of
 # an AMD EPYC (Zen 4): [s] per step, and per particle and step, with and without a position projection.
@@ -26,11 +26,8 @@ LEAST = 10.0             # [s]: the steps of a shorter run are no measure
 KEPT = 20                # runs whose cost is kept
 
 
-def seconds_per_step(numerics: Numerics, particles: int) -> tuple[float, str]:
-    """Return the cost of a step on one rank [s], and in words what it rests on. Not collective.
-
-    numerics : resolved Numerics
-    """
+def seconds_per_step(numerics: ResolvedNumerics, particles: int) -> tuple[float, str]:
+    """Return the cost of a step on one rank [s], and in words what it rests on. Not collective."""
     shape = _on_reference(numerics.method, _projects(numerics), particles)
     runs = [run for run in _runs() if run["processor"] == _processor()]
     if not runs:
@@ -80,7 +77,7 @@ class Clock:
         else:
             self._steps += 1
 
-    def remember(self, numerics: Numerics, particles: int, ranks: int) -> None:
+    def remember(self, numerics: ResolvedNumerics, particles: int, ranks: int) -> None:
         """Keep what a step of this run took, for the estimates to come. One rank.
 
         Nothing is kept of a short run, or of one with more ranks than cores or on several nodes. A
@@ -101,9 +98,9 @@ class Clock:
             pass
 
 
-def _projects(numerics: Numerics) -> bool:
-    """Return whether positions are projected, which takes a second solve. numerics : resolved"""
-    return numerics.kappa is not None and numerics.kappa > 0.0
+def _projects(numerics: ResolvedNumerics) -> bool:
+    """Return whether positions are projected, which takes a second solve."""
+    return numerics.kappa > 0.0
 
 
 def _on_reference(method: str, projection: bool, particles: float) -> float:

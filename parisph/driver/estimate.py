@@ -7,7 +7,7 @@ import numpy as np
 
 from parisph.case import scales
 from parisph.case.methods import METHODS
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.case.scenery import longest_step, wall_speed
 from parisph.case.schema import Case
 from parisph.case.time_checks import MOST_STEPS
@@ -34,14 +34,13 @@ def faults(case: Case) -> Iterator[str]:
                f"be computed; use at most {most:.2g} (water has 1e-6), a larger spacing, or run shorter")
 
 
-def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> int:
+def estimated_steps(case: Case, numerics: ResolvedNumerics, expected: scales.Scales) -> int:
     """Return the number of steps: exact if the step is fixed, else an estimate, good to a factor of two or so.
 
-    numerics : resolved Numerics; expected : scales.Scales of the case
+    expected : of the case
     """
     if numerics.time_step is not None:
         return round(case.end_time / min(numerics.time_step, stable_step(case)))
-    assert numerics.cfl is not None    # it is resolved
     move = numerics.cfl * numerics.spacing
     fall = math.sqrt(2.0 * move / expected.force) if expected.force else math.inf
     longest = min(longest_of(case, numerics), fall, case.end_time)
@@ -56,7 +55,7 @@ def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> 
     return math.ceil(case.end_time * float(np.mean(np.max(rates, axis=0))))
 
 
-def _by_strain(case: Case, n: Numerics, expected: scales.Scales) -> float:
+def _by_strain(case: Case, n: ResolvedNumerics, expected: scales.Scales) -> float:
     """Return the steps in a second [1/s] that the strain of waves asks for (methods.timestep)."""
     if not n.wave_step:
         return 0.0
@@ -75,7 +74,7 @@ def stable_step(case: Case) -> float:
     return viscous.STABLE * s * s / case.viscosity if case.viscosity else math.inf
 
 
-def longest_of(case: Case, n: Numerics) -> float:
+def longest_of(case: Case, n: ResolvedNumerics) -> float:
     """Return the longest step [s] that the case allows, whatever the flow."""
     by_walls = n.cfl * n.spacing / wall_speed(case) if n.cfl and wall_speed(case) > 0.0 else math.inf
     return min(longest_step(case), by_walls, n.max_time_step or math.inf, stable_step(case))

@@ -7,7 +7,7 @@ import numpy as np
 
 from parisph.base.errors import Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
 from parisph.base.fields import FLUID
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.driver.simulation import Simulation
 from parisph.parallel.particles import Particles
 
@@ -44,7 +44,7 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
     return type(error)("\n".join(lines))
 
 
-def _beyond_range(numerics: Numerics) -> str:
+def _beyond_range(numerics: ResolvedNumerics) -> str:
     """Return advice for numerics of waves that do not break, and for a surface that keeps its particles."""
     frozen = numerics.surface_rule == "frozen"
     chosen = 'surface_rule="frozen"' if frozen else f'preset="{numerics.preset}"'

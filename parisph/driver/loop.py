@@ -18,7 +18,7 @@ from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
-from parisph.driver import exploded, run_folder
+from parisph.driver import diagnostics, run_folder
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.peaks import PeakFlows
@@ -47,15 +47,12 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
         overwrite: bool = False, force: bool = False) -> dict[str, Any]:
     """Run a case from its start into the folder `out`, and return the summary, the same dict on every rank. Collective.
 
-    Parameters
-    ----------
     case : Case; comm : mpi4py communicator; out : folder, without an earlier run
     petsc_options : list of str; progress : whether rank 0 shows progress
     overwrite : whether to move an earlier run in `out` to `out`.old, `out`.old-2, ...; nothing is ever removed
     force : whether to use a folder that is locked by a process which may or may not still run
 
-    Raises
-    ------
+    Raises:
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then
     contains summary.json and all results so far, unless it held a run already (CaseError).
     """
@@ -72,7 +69,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
                                                   f"was moved to {old}"))
-            return _Run(simulation, samplers, store, Account.new(), shown).go(signals, first=True)
+            return _Run(simulation, samplers, store, Account(), shown).go(signals, first=True)
 
 
 def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyPath | None = None,
@@ -85,8 +82,7 @@ def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyP
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder to continue in,
     without an earlier run; the same folder by default. Other parameters as for `run`.
 
-    Raises
-    ------
+    Raises:
     As `run`, and on every rank before anything is changed: CaseError if `out` holds another run, if results
     of the same folder after the checkpoint would be lost, or if there is nothing left to do; StoreError if
     the folder is in use, or one of its files is damaged.
@@ -126,8 +122,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                 store.notes.insert(0, (logging.INFO,
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
-            account = Account.resumed(saved.state) if saved else Account.new()
-            run = _Run(simulation, samplers, store, account, shown, saved.state if saved else None,
+            state = saved.state if saved else None
+            run = _Run(simulation, samplers, store, Account(state), shown, state,
                        folder if saved and elsewhere else None, saved.flows if saved else ())
             if saved and done:
                 run.saved_step, run.last_checkpoint = saved.step, found
@@ -201,7 +197,7 @@ class _Run:
                 self._abandon(problem)
                 raise
             error = explained(problem, self.simulation, self.last_checkpoint,
-                              exploded.first_rise(self.account.passed))
+                              diagnostics.first_rise(self.account.passed))
         return self._close(error)
 
     def _open(self, first: bool) -> None:
@@ -258,8 +254,8 @@ class _Run:
         for line in self.account.news(self.simulation.time):
             self.progress.close()
             log.logger.warning(line)
-        if self.account.conservation is not None:
-            exploded.check(self.account.conservation, self.simulation.numerics.preset)
+        if self.account.diagnostics is not None:
+            self.account.diagnostics.check()
 
     def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
         """Write the lines of probes, after those of the step itself. Collective."""

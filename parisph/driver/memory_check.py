@@ -7,7 +7,7 @@ from parisph.base.errors import CaseError
 from parisph.base.log import logger
 from parisph.case import size
 from parisph.case.schema import Case
-from parisph.driver import ahead
+from parisph.driver import precheck
 from parisph.geometry import build, scene_checks
 
 
@@ -17,7 +17,7 @@ def check(case: Case, comm: MPI.Comm) -> None:
     `parisph check` on a laptop may describe a case for a cluster: memory is checked only where a case runs. The memory
     that other programs use changes, and is not counted.
     """
-    ahead.check(case)
+    precheck.check(case)
     for text in scene_checks.warnings(case) if comm.rank == 0 else ():
         logger.warning(text)
     there = _memory(comm)

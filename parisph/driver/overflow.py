@@ -15,7 +15,7 @@ from parisph.geometry.rims import Rim, rims_of
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.parallel.sums import sums
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 
 @dataclass
@@ -34,22 +34,19 @@ class Overflow:
 class OpenTank:
     """What water may leave a scene over.
 
-    Attributes
-    ----------
     rims : of what holds the water, and of wavemakers, behind which it is dry
     scene : for the energy
-    left : Overflow
     """
 
     rims: tuple[Rim, ...]
-    scene: Scene
+    scene: ProbeScene
     left: Overflow = field(default_factory=Overflow)
 
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
         """Return the open tank of a case, None if it has none. state : the Overflow of a checkpoint, as a dict."""
         rims = rims_of(case, domain.radius)
-        return cls(rims, Scene.of(case), Overflow(**(state or {}))) if rims else None
+        return cls(rims, ProbeScene.of(case), Overflow(**(state or {}))) if rims else None
 
     def let_leave(self, domain: Domain, time: float = 0.0) -> None:
         """Remove the fluid that is out over the rim at a time [s], and count it. Collective.

@@ -52,10 +52,6 @@ class Waiting:
     flow: Copied
     at_edge: bool
 
-    def copy(self) -> Copied:
-        """Return the flow."""
-        return self.flow
-
 
 class PeakFlows:
     """Keeps the flow at the greatest value of each probe with peak=True, within the window or bands of its truth.
@@ -69,9 +65,6 @@ class PeakFlows:
     at a time, wait in memory and in checkpoints until their means are known. Those at the end of a run are judged as
     if it ended there, and once more if it goes on.
 
-    Parameters
-    ----------
-    simulation : Simulation
     samplers : list of Sampler, of all probes
     fields : names of the fields in snapshots
     state : dict of an earlier part of the run, from its checkpoint (see `state`)
@@ -88,7 +81,9 @@ class PeakFlows:
         self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
         self._held: dict[str, Copied] = {}    # probe -> the flow at its greatest value, not yet written
         self._saved = set(self._seen)   # probes whose file the last checkpoint knows
-        self._waiting = [Waiting(pressure, time, step, _shared(simulation.particles.dim, flow), at_edge)
+        dim = simulation.particles.dim
+        self._waiting = [Waiting(pressure, time, step, Copied(dim, len(flow.arrays["x"]), flow.offset, flow.total,
+                                                              flow.arrays), at_edge)
                          for (pressure, time, step, at_edge), flow in zip((waiting or {}).get("steps", ()), flows)]
         self._last: dict[str, tuple[dict[str, Any], Copied]] = {}    # probe -> a peak among the last steps of the run
         self.replaced = [name for name in (waiting or {}).get("last", ()) if name in self._seen]    # by such a peak
@@ -121,7 +116,8 @@ class PeakFlows:
         ready = [one for one in self._waiting if one.pressure <= known]
         for one in ready:
             for sampler, value in self._agreed(means(one.pressure)):
-                self._judge(sampler, value, _counts(sampler.probe.truth, one.pressure), one.time, one.step, one.copy)
+                counts = _counts(sampler.probe.truth, one.pressure)
+                self._judge(sampler, value, counts, one.time, one.step, lambda: one.flow)
         if not ready:    # a window may have ended
             for sampler, value in self._agreed(means(known)):
                 self._judge(sampler, value, False, s.time, s.steps, self._flow)
@@ -244,10 +240,6 @@ def _counts(truth: Model | None, time: float) -> bool:
     """Return whether the value of a probe at a time [s] may be its greatest: another event is not that of its truth."""
     where = intervals(truth)
     return not where or any(start <= time <= end for start, end in where)
-
-
-def _shared(dim: int, flow: Share) -> Copied:
-    return Copied(dim, len(flow.arrays["x"]), flow.offset, flow.total, flow.arrays)
 
 
 def _copied(particles: Particles, fields: Sequence[str]) -> Copied:

@@ -8,12 +8,11 @@ from parisph.base import memory, vocabulary
 from parisph.case import scales, size
 from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
-from parisph.case.numerics import WORDS, Numerics
+from parisph.case.numerics import WORDS, ResolvedNumerics
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.case.waves import Jonswap, SolitaryWave
-from parisph.driver import ahead, cost
-from parisph.driver.ahead import stages
+from parisph.driver import cost, precheck
 from parisph.driver.estimate import duration, estimated_steps, longest_of, rounded, stable_step, waves_of
 from parisph.driver.sketch import sketch
 from parisph.geometry import build, scene_checks
@@ -26,12 +25,13 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
 
     parameters : {name: value} of the case file (case.load.arguments), which --set can change
     """
-    ahead.check(case)
+    precheck.check(case)
     numerics = case.numerics.resolved()
     count = build.counts(case)
     expected = scales.expected(case)
     steps = estimated_steps(case, numerics, expected)
     seconds, basis = cost.seconds_per_step(numerics, count["all"])
+    step = f"{rounded(1e3 * seconds)} ms" if seconds < 1.0 else duration(seconds)
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
@@ -41,15 +41,14 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
         *_waves(case, expected, steps),
         *_geometry(case),
         *_friction(case),
-        ("stages", ", ".join(stages(case))),
+        ("stages", ", ".join(precheck.stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
-        ("time", f"about {duration(steps * seconds)} on one rank, {_of_a_step(seconds)} a step (estimated "
-                 f"from {basis})"),
+        ("time", f"about {duration(steps * seconds)} on one rank, {step} a step (estimated from {basis})"),
         ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
-    lines += [("warning", text) for text in ahead.warnings(case, count, expected)]
+    lines += [("warning", text) for text in precheck.warnings(case, count, expected)]
     if count["all"] <= DRAWN:
         lines.append(("scene", sketch(case).replace("\n", f"\n{'':<12}")))
     if parameters:
@@ -99,7 +98,7 @@ def _text(name: str, value: Any) -> str:
     return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
-def _steps(case: Case, n: Numerics, steps: int) -> str:
+def _steps(case: Case, n: ResolvedNumerics, steps: int) -> str:
     if n.time_step is not None:
         shorter = stable_step(case) < n.time_step
         step = min(n.time_step, stable_step(case))
@@ -130,7 +129,3 @@ def _waves(case: Case, expected: scales.Scales, steps: int) -> Iterator[tuple[st
                        f"{wave.depth:.3g} m ({wave.depth / s:.3g}), about "
                        f"{rounded(wave.period * steps / case.end_time)} steps "
                        f"{'while it travels its length' if alone else f'in a period of {wave.period:.3g} s'}")
-
-
-def _of_a_step(seconds: float) -> str:
-    return f"{rounded(1e3 * seconds)} ms" if seconds < 1.0 else duration(seconds)

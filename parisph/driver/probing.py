@@ -46,9 +46,6 @@ class Watch:
     The pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a
     sample is written when its mean is known, some steps later. A restart needs the state of the means.
 
-    Parameters
-    ----------
-    simulation : Simulation
     samplers : list of Sampler (watch.instruments.build)
     output : Output of the case
     peaks : PeakFlows, which sees the values of its probes in every step: means when they are known

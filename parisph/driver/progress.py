@@ -20,8 +20,6 @@ class Progress:
     Inside `with`, one line says that kernels are about to be compiled. After the first step, another one says how long
     that took.
 
-    Parameters
-    ----------
     end_time : float [s]
     wanted : bool, False to be quiet
     first : bool, whether this is rank 0; other ranks show nothing

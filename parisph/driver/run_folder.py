@@ -14,7 +14,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.reading import read_text
 from parisph.case.schema import Case
 from parisph.case.stored import from_json
-from parisph.driver import edited
+from parisph.driver import case_edits
 from parisph.io import checkpoint
 from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import create, on_first, read_json
@@ -114,13 +114,13 @@ def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
 
 def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None
             ) -> tuple[Case, str, list[str]]:
-    """Return the case of the restart, the identity of its run, and what to log of edits (driver.edited)."""
+    """Return the case of the restart, the identity of its run, and what to log of edits (driver.case_edits)."""
     text = saved.case if saved else read_text(folder / "case.json", math.inf)
     try:
         case = from_json(text)
     except CaseError as error:
         raise CaseError(f"{found or folder / 'case.json'}: {error}") from None
-    origin, taken = case.origin, edited.edits(folder, text) if saved else {}
+    origin, taken = case.origin, case_edits.edits(folder, text) if saved else {}
     if until is not None:
         taken.pop("end_time", None)
     try:
@@ -128,7 +128,7 @@ def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: f
     except CaseError as error:
         raise CaseError(f"{folder / 'case.json'}: {error}") from None
     case = case if until is None else case.changed(end_time=float(until))
-    return case.of(origin), json.loads(text).get("run", ""), edited.told(taken, folder)
+    return case.of(origin), json.loads(text).get("run", ""), case_edits.told(taken, folder)
 
 
 def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folder: Path, elsewhere: bool, done: bool,

@@ -9,16 +9,16 @@ from typing import Concatenate, ParamSpec, TypeVar
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base import log
 from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.case.schema import Case
 from parisph.case.time_scales import flow_length, sound_speed, wave_time
 from parisph.driver import memory_check, solid_walls, wall_penetration, warmup
 from parisph.driver.overflow import OpenTank, Overflow
-from parisph.driver.phases import PhaseTimers
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.geometry import build
 from parisph.io.checkpoint import Checkpoint
@@ -36,7 +36,7 @@ from parisph.parallel.domain import Domain
 from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
 from parisph.watch.passages import Passages
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 # {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D the ghosts of a
 # wider halo would be too many
@@ -69,19 +69,15 @@ def _collective(method: Callable[Concatenate["Simulation", Options], Result]
 class Simulation:
     """A scene that can be advanced step by step, for scripts, notebooks and the command line.
 
-    Parameters
-    ----------
-    case : Case
     comm : mpi4py communicator; it is duplicated
     petsc_options : list of str, PETSc's options with the prefix pressure_
     start : Checkpoint or None
         The checkpoint to continue from.
 
-    Attributes
-    ----------
+    Attributes:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
-    timers : PhaseTimers
+    timers : base.log.Timers
     passages : Passages, the water that has passed the lines of probes
     bad_force : float or None, the first time [s] at which the body force was not finite on this rank
 
@@ -116,7 +112,7 @@ class Simulation:
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
         agree(self.comm, _wrong_code())
-        self.timers = PhaseTimers()
+        self.timers = log.Timers()
         parts = _parts(case, self.comm)
         flow = self._flow(parts, start)
         self.method = _method(case, flow, parts, petsc_options)
@@ -148,9 +144,10 @@ class Simulation:
                              closed=case.lidded, elements=elements)
         self._made.append(self.domain)
         self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
+        budget = Budget(case.density, ProbeScene.of(case).gravity, parts.causes) if case.output.budget else None
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     Boundary(elements, s), self.timers, closed=case.closed,
-                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin if case.turns else None,
+                    budget=budget, viscosity=case.viscosity, spin=case.spin if case.turns else None,
                     absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
         if start is None:
             solid_walls.fill(case, flow)
@@ -344,7 +341,7 @@ def _largest(force: Floats) -> float:
     return float(size.max(initial=0.0, where=np.isfinite(size)))
 
 
-def _step_of_top_speed(case: Case, numerics: Numerics) -> float:
+def _step_of_top_speed(case: Case, numerics: ResolvedNumerics) -> float:
     """Return the step [s] in which the fastest fluid that is expected moves as far as it may, or falls so from rest.
     """
     speed, rest = scales.top_speed(case), rest_step(numerics)
@@ -379,7 +376,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.physics)
+    parts = parts_of(case.complete_numerics(), case.physics)
     error = None
     try:
         parts.check(case.dim)
@@ -395,13 +392,8 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
     """Return the method of the case, ready to start. Collective."""
     if isinstance(parts, CompressibleParts):
         return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case),
-                            Scene.of(case).gravity)
+                            ProbeScene.of(case).gravity)
     return Projection(flow, parts, petsc_options)
-
-
-def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
-    """Return the Budget of the case, None if it has none."""
-    return Budget(case.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
 def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:

@@ -99,7 +99,7 @@ def _jitter(case: Case, flow: Flow, even: bool) -> None:
         return
     filling.scatter(flow, move)
     apart = KeepApart()
-    if apart.name in (case.numerics.regularisers or ()) and apart.wanted(case.numerics):
+    if apart.name in flow.numerics.regularisers and apart.wanted(flow.numerics):
         for _ in range(APART):
             apart.apply(flow, 0.0)
         d.refresh()

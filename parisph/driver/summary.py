@@ -15,8 +15,7 @@ from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case import scales
 from parisph.case.schema import Case
-from parisph.driver import ahead, doubts, touched
-from parisph.driver.conservation import Conservation
+from parisph.driver import diagnostics, precheck, probe_gaps
 from parisph.driver.load_balance import LoadBalance
 from parisph.driver.simulation import Simulation
 from parisph.geometry import build
@@ -35,35 +34,26 @@ BODY = 0.05             # share of isolated particles, later, that is more than 
 class Account:
     """Collects the cost of a run, and what it conserves, over restarts.
 
-    Made by `Account.new` or `Account.resumed`.
+    state : of the checkpoint from which a run continues, None for a new run
     """
 
-    def __init__(self, before: dict[str, Any]) -> None:
+    def __init__(self, state: Mapping[str, Any] | None = None) -> None:
+        before: dict[str, Any] = state["account"] if state else {
+            "wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0}
         self.before = before
         self.wall, self.cpu = perf_counter(), process_time()
         self.fallbacks = 0
         self.divergence: float | None = None
-        self.conservation: Conservation | None = None    # from `start` on
-        self._doubts: doubts.Doubts | None = None        # the same
-        self._balance: LoadBalance | None = None    # the same
-        self._uneven: list[str] = []                     # gauges, once the run is over
-        self._touched: dict[str, str] = {}               # probes, the same
+        self.diagnostics: diagnostics.Diagnostics | None = None    # from `start` on
+        self._balance: LoadBalance | None = None                   # the same
+        self._uneven: list[str] = []              # gauges, once the run is over
+        self._gaps: dict[str, str] = {}           # of probes, the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         # {limit: time [s] at which it was passed}
         self.passed: dict[str, float] = dict(before.get("passed", {}))
         self._fluid = 0
         self._walls: int | None = None    # how many particles are on walls, from `start` on
-
-    @classmethod
-    def new(cls) -> "Account":
-        """Return the account of a new run."""
-        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0})
-
-    @classmethod
-    def resumed(cls, state: Mapping[str, Any]) -> "Account":
-        """Return the account of a run that continues from a checkpoint's state."""
-        return cls(state["account"])
 
     def start(self, simulation: Simulation, isolated: int = 0) -> None:
         """Measure energy and volume at the start of the run, or of this part of it. Collective.
@@ -84,8 +74,7 @@ class Account:
         if "notes" not in self.before:
             self._notes += self._ahead(simulation)
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
-        self.conservation = Conservation(simulation, self.before.get("conservation"), start)
-        self._doubts = doubts.Doubts(simulation, self.before.get("doubts"))
+        self.diagnostics = diagnostics.Diagnostics(simulation, self.before, start)
         self.measure(simulation)
         self._balance = LoadBalance(simulation)
 
@@ -93,7 +82,7 @@ class Account:
         """Return what was doubtful before the run, the same on all ranks, and say it. Collective."""
         comm, case = simulation.comm, simulation.case
         found = on_first(comm, "look for what is doubtful in the case",    # the estimate depends on the machine
-                         lambda: [*ahead.doubts(case, build.counts(case), scales.expected(case), comm.size)])
+                         lambda: [*precheck.early_warnings(case, build.counts(case), scales.expected(case), comm.size)])
         told: list[str] = comm.bcast(found)
         for text in told if comm.rank == 0 else ():
             logger.warning(text)
@@ -101,16 +90,14 @@ class Account:
 
     def measure(self, simulation: Simulation) -> None:
         """Measure energy and volume now. Collective."""
-        if self.conservation is not None:
-            self.conservation.measure(simulation)
-        if self._doubts is not None:
-            self._doubts.look(simulation)
+        if self.diagnostics is not None:
+            self.diagnostics.measure(simulation)
 
     def look_back(self, simulation: Simulation, store: Store) -> None:
         """Look at the waves that the gauges have recorded in the whole run, from its files. Collective."""
         folder = store.folder
         found = on_first(simulation.comm, f"read {folder}", lambda: _looked_back(simulation.case, store))
-        self._uneven, self._touched = simulation.comm.bcast(found) or ([], {})
+        self._uneven, self._gaps = simulation.comm.bcast(found) or ([], {})
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
         """Count a step that was made. Collective."""
@@ -119,55 +106,46 @@ class Account:
         isolated = getattr(report, "isolated", 0)
         if isolated > self._isolated[0]:
             self._isolated = [isolated, simulation.time]
-        if self.conservation is not None:
-            self.conservation.step(simulation)
-        if self._doubts is not None:
-            self._doubts.step(simulation)
+        if self.diagnostics is not None:
+            self.diagnostics.step(simulation)
 
     def news(self, time: float) -> list[str]:
         """Return one line for each limit that is passed for the first time, now at `time` [s]. Not collective."""
-        if self.conservation is None or self._doubts is None:
-            return []
-        found = {**self.conservation.passed(), **self._doubts.passed(self.conservation)}
+        found = {} if self.diagnostics is None else self.diagnostics.passed()
         new = [name for name in found if name not in self.passed]
         self.passed.update(dict.fromkeys(new, time))
         return [found[name] for name in new]
 
     def status(self) -> str:
         """Return the status of a run that has come to its end. Not collective."""
-        lost = self._doubts.lost if self._doubts is not None else 0.0
+        lost = 0.0 if self.diagnostics is None else self.diagnostics.lost
         if lost > DRAINED:
             return f"completed with warnings: {lost:.0%} of the water has left"
         return "completed with warnings" if self.warnings() else "completed"
 
     def warnings(self) -> list[str]:
         """Return one line for each warning of the whole run, the gravest first. Not collective."""
-        found, (most, time) = self._doubts.of_loss() if self._doubts is not None else [], self._isolated
-        found += self._notes
+        checks, (most, time) = self.diagnostics, self._isolated
+        found = [*([] if checks is None else checks.of_loss()), *self._notes]
         if most > BODY * self._fluid > 0.0:
             found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
                          "fluid particles and the walls): their pressure has no level of its own")
-        if self.conservation is not None:
-            found += self.conservation.warnings()
-            found += self._doubts.warnings(self.conservation) if self._doubts is not None else []
-        return found + self._uneven
+        return [*found, *({} if checks is None else checks.passed()).values(), *self._uneven]
 
     def state(self, simulation: Simulation, comm: MPI.Comm | None = None) -> dict[str, Any]:
         """Return the data that a checkpoint needs to continue the account. Collective.
 
         comm : the ranks whose cost counts, by default all of the simulation
         """
-        comm, timers = comm or simulation.comm, simulation.timers
-        wall = {name: seconds["max"] for name, seconds in timers.reduce(comm).items()}
+        comm = comm or simulation.comm
+        found = simulation.timers.reduce(comm)
         return {"account": {
             **self.before, "wall": self.before["wall"] + perf_counter() - self.wall,
             "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
-            "phases": _sums(self.before["phases"], wall),
-            "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
+            "phases": _sums(self.before["phases"], {name: one["max"] for name, one in found.items()}),
+            "cpu_phases": _sums(self.before["cpu_phases"], {name: one["cpu"] for name, one in found.items()}),
             "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes, "isolated": self._isolated,
-            "passed": self.passed,
-            "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
-            "doubts": self._doubts.state() if self._doubts else self.before.get("doubts", {}),
+            "passed": self.passed, **(self.diagnostics.state() if self.diagnostics else {}),
         }}
 
     def summary(self, simulation: Simulation, store: Store, status: str,
@@ -191,7 +169,9 @@ class Account:
             "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             "shares": self._balance.content(s, comm) if self._balance else None,
-            **self._kept(s), "left": vars(s.left), "touched": self._touched, "divergence": self.divergence,
+            **({"volume_drift": None, "energy_drift": None, "driven": s.case.driven} if self.diagnostics is None
+               else self.diagnostics.conservation.content()),
+            "left": vars(s.left), "touched": self._gaps, "divergence": self.divergence,
             "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
             "petsc_options": store.about["petsc_options"],
@@ -200,15 +180,6 @@ class Account:
         content |= found or {}
         everywhere: dict[str, Any] = comm.bcast(content)
         return everywhere
-
-    def _kept(self, simulation: Simulation) -> dict[str, Any]:
-        """Return the entries of the summary on volume and energy.
-
-        Not collective: a run may end before it has measured them.
-        """
-        if self.conservation is None:
-            return {"volume_drift": None, "energy_drift": None, "driven": simulation.case.driven}
-        return self.conservation.content()
 
 
 def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, float]:
@@ -236,7 +207,7 @@ def _from_files(case: Case, store: Store) -> dict[str, Any]:
 def _looked_back(case: Case, store: Store) -> tuple[list[str], dict[str, str]]:
     try:
         run = reader.open_run(store.folder)
-        return doubts.of_gauges(case, run), touched.probes(case, run)
+        return diagnostics.of_gauges(case, run), probe_gaps.gaps(case, run)
     except ParisphError:    # _from_files tells why nothing can be read
         return [], {}
 

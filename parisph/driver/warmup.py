@@ -8,7 +8,7 @@ from typing import Any
 from mpi4py import MPI
 
 from parisph.base.errors import ParisphError, agree
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.case.schema import Box, Case, Fluid, Obstacle, StillWater, Tank
 from parisph.kernels import jit, processor
 from parisph.parallel import halo
@@ -22,7 +22,8 @@ FILLED = 6     # sides of the body of fluid in it
 STEP = 1e-3    # of the time in which a particle falls by half a spacing, as g = 1
 
 
-def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], case: Case, numerics: Numerics) -> None:
+def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], case: Case,
+                      numerics: ResolvedNumerics) -> None:
     """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
 
     The other ranks wait and then load the kernels from the cache; otherwise each would compile all
@@ -31,9 +32,7 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     make : Simulation, as a function (case, comm) -> Simulation
     case, numerics : the scene whose kernels are needed
 
-    Raises
-    ------
-    ParisphError on every rank: something else failed on rank 0, such as the compiler.
+    Raises ParisphError on every rank: something else failed on rank 0, such as the compiler.
     """
     problem = None
     if comm.rank == 0:
@@ -62,7 +61,7 @@ def mark_of(scene: Case) -> str:
     return f"ready-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}"
 
 
-def small(case: Case, numerics: Numerics) -> Case:
+def small(case: Case, numerics: ResolvedNumerics) -> Case:
     """Return a scene of a few particles that needs the same kernels: closed if the case is closed."""
     s = numerics.spacing
     side = CELLS * s

@@ -27,7 +27,7 @@ from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_me
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import lowered, raised
-from parisph.geometry.solid import in_fluid, solid_of
+from parisph.geometry.solid import Wall, in_fluid, solid_of
 from parisph.geometry.standing import standing
 
 CHUNK = 2**18   # particles looked at in one go; bounds the memory of a large scene
@@ -101,7 +101,7 @@ def fillings(case: Scene) -> tuple[Filling, ...]:
 
 
 @lru_cache(maxsize=4)
-def _fillings(fluids, walls, spacing):
+def _fillings(fluids: tuple[Fluid, ...], walls: tuple[Wall, ...], spacing: float) -> tuple[Filling, ...]:
     shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
     return tuple(Filling(fluid.shape, walls, spacing, fluid.holes, taken(shapes, holes, number),
                          fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
@@ -154,8 +154,8 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
 
 def volume(case: Scene) -> float:
     """Return the exact volume [m^dim] of all fluid at the start."""
-    return sum(fluid_area(fill, *domain(case), lambda x, own=fluid: raised(
-        own, scene_mesh(case), case.bounds_of(own), x)[1]) for fluid, fill in zip(case.fluids, fillings(case)))
+    return sum(fluid_area(fill, *domain(case), lambda x: raised(
+        fluid, scene_mesh(case), case.bounds_of(fluid), x)[1]) for fluid, fill in zip(case.fluids, fillings(case)))
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
@@ -285,11 +285,11 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
     assert mesh is not None
     x, no_slip, wall_u = mesh.x0[nodes], np.zeros(n, dtype=np.int8), np.zeros((n, mesh.dim))
     motions = motions_of(walls)
-    for number, body in enumerate(mesh.bodies):
+    for number, (body, wall) in enumerate(zip(mesh.bodies, walls)):
         own = mesh.body[nodes] == number
         wall_u[own] = motions[body.motion].velocity_at(x[own], 0.0)
-        if isinstance(walls[number], Tank):
-            no_slip[own], along = _sides(walls[number], x[own], s)
+        if isinstance(wall, Tank):
+            no_slip[own], along = _sides(wall, x[own], s)
             wall_u[own] += along
         else:
             no_slip[own] = body.slip == "none"
@@ -304,7 +304,7 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 
-def _roles(case, walls, x, normal, edge):
+def _roles(case: Scene, walls: Sequence[Wall], x: Floats, normal: Floats, edge: Array) -> Array:
     """Return the roles (n,) of nodes: wet where fluid comes to them, in contact near its surface, else dry.
 
     Dry are also nodes behind another body, as those of a bed behind a piston, and convex edges, which carry no row.
@@ -312,7 +312,8 @@ def _roles(case, walls, x, normal, edge):
     s = case.numerics.spacing
 
     def held(at: Floats) -> Array:
-        return np.any([fill.holds(lowered(fluid, at)) for fluid, fill in zip(case.fluids, fillings(case))], axis=0)
+        fills = zip(case.fluids, fillings(case))
+        return np.asarray(np.any([fill.holds(lowered(fluid, at)) for fluid, fill in fills], axis=0))
 
     before = x + LIFT * s * normal
     wet, free = held(x) & in_fluid(walls, before), np.zeros(len(x), dtype=bool)

@@ -8,23 +8,25 @@ from collections.abc import Iterator
 
 import numpy as np
 
-Intervals = tuple[np.ndarray, np.ndarray, np.ndarray]
+from parisph.base.arrays import Floats, Ints
+
+Intervals = tuple[Ints, Floats, Floats]
 
 
-def meet(p: np.ndarray, d: np.ndarray, q: np.ndarray, e: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def meet(p: Floats, d: Floats, q: Floats, e: Floats) -> tuple[Floats, Floats]:
     """Return t and u (...) where lines p + t d and q + u e (..., 2) meet, not finite where they are parallel."""
     apart, slant = q - p, cross(d, e)
     with np.errstate(divide="ignore", invalid="ignore"):
         return cross(apart, e) / slant, cross(apart, d) / slant
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def cross(a: Floats, b: Floats) -> Floats:
     """Return the cross products (...) of vectors (..., 2)."""
-    product: np.ndarray = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return product
 
 
-def _pairs(left, right, lines):
+def _pairs(left: Floats, right: Floats, lines: Floats) -> tuple[Ints, Ints]:
     """Return the numbers of pieces from `left` to `right` and of the lines that each of them meets."""
     first = np.searchsorted(lines, left, side="left")
     count = np.maximum(np.searchsorted(lines, right, side="right") - first, 0)
@@ -32,7 +34,7 @@ def _pairs(left, right, lines):
     return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + first[piece]
 
 
-def overlapping(lower: np.ndarray, upper: np.ndarray, some: int = 2**20) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def overlapping(lower: Floats, upper: Floats, some: int = 2**20) -> Iterator[tuple[Ints, Ints]]:
     """Yield the numbers of all pairs of boxes that overlap or touch, (m,) each, each pair once, about `some` at a time.
 
     lower, upper : (n, 2) [m], the corners of the boxes
@@ -52,7 +54,7 @@ def overlapping(lower: np.ndarray, upper: np.ndarray, some: int = 2**20) -> Iter
         start = stop
 
 
-def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -> Intervals:
+def near_pieces(a: Floats, b: Floats, reach: float, lines: Floats) -> Intervals:
     """Return where lines x = lines (n,), in order, are nearer than `reach` [m] to straight pieces from a to b (m, 2).
 
     The points near a piece are convex, so that it makes one interval on a line.
@@ -71,7 +73,7 @@ def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -
     return line[met], low[met], high[met]
 
 
-def crossings(a: np.ndarray, b: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def crossings(a: Floats, b: Floats, lines: Floats) -> tuple[Ints, Floats]:
     """Return where straight pieces from a to b (m, 2) cross lines x = lines (n,), in order: line, height [m]."""
     left, right = np.minimum(a[:, 0], b[:, 0]), np.maximum(a[:, 0], b[:, 0])
     piece, line = _pairs(left, right, lines)
@@ -81,7 +83,7 @@ def crossings(a: np.ndarray, b: np.ndarray, lines: np.ndarray) -> tuple[np.ndarr
     return line, a[piece, 1] + t * (b[piece, 1] - a[piece, 1])
 
 
-def between(line: np.ndarray, height: np.ndarray) -> Intervals:
+def between(line: Ints, height: Floats) -> Intervals:
     """Return the intervals between neighbouring heights (n,) on each line."""
     order = np.lexsort([height, line])
     line, height = line[order], height[order]
@@ -89,7 +91,7 @@ def between(line: np.ndarray, height: np.ndarray) -> Intervals:
     return line[:-1][same], height[:-1][same], height[1:][same]
 
 
-def beds(corners: np.ndarray, columns: np.ndarray, top: float) -> np.ndarray:
+def beds(corners: Floats, columns: Floats, top: float) -> Floats:
     """Return the height (n,) [m] of the highest element below `top` with fluid above it, on lines x = columns (n,).
 
     corners : (M, 2, 2) [m], with the fluid on the left. Where there is none it is that of the lowest element.

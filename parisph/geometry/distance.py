@@ -6,6 +6,7 @@ the boxes that are farther away than something they have seen. So a point looks 
 
 import numpy as np
 
+from parisph.base.arrays import Floats, Ints
 from parisph.geometry.columns import meet
 
 CHUNK = 2**16      # points that go down the tree together
@@ -14,22 +15,23 @@ TIE = 1e-9         # of a distance: elements as near as that are equally near
 BITS = 10          # of the place of an element along each axis, in the order along a curve through all places
 
 
-def area_vectors(corners: np.ndarray) -> np.ndarray:
+def area_vectors(corners: Floats) -> Floats:
     """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
     along = corners[:, 1] - corners[:, 0]
     if corners.shape[2] == 2:
-        return np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
+        found: Floats = np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
+        return found
     return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
 
 
-def unit_normals(corners: np.ndarray) -> np.ndarray:
+def unit_normals(corners: Floats) -> Floats:
     """Return the unit normals (M, dim) of elements (M, dim, dim)."""
     normal = area_vectors(corners)
-    unit: np.ndarray = normal / np.linalg.norm(normal, axis=1)[:, None]
+    unit: Floats = normal / np.linalg.norm(normal, axis=1)[:, None]
     return unit
 
 
-def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats, Ints, Floats]:
     """Return the distance (n,) [m] of points from elements, the nearest element (n,), and its point (n, dim) [m].
 
     x : (n, dim) [m]; corners : (M, dim, dim) [m]
@@ -48,7 +50,7 @@ def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple
     return distance, element, foot
 
 
-def heights(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> np.ndarray:
+def heights(x: Floats, corners: Floats, within: float = np.inf) -> Floats:
     """Return the heights (n,) [m] of points above the planes of the elements nearest to them, inf beyond `within` [m].
 
     Behind a wall they are negative. Beside a plate, which has nothing behind it, and beyond its ends they are not.
@@ -59,8 +61,7 @@ def heights(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> np.nd
     return distance
 
 
-def across(x: np.ndarray, way: np.ndarray, corners: np.ndarray, facing: float = 0.0,
-           least: float = 1e-9) -> tuple[np.ndarray, np.ndarray]:
+def across(x: Floats, way: Floats, corners: Floats, facing: float = 0.0, least: float = 1e-9) -> tuple[Floats, Ints]:
     """Return how far points are from the first element that faces them in a direction, (n,) [m], and that element (n,).
 
     x : (n, 2) [m]; way : (n, 2), unit directions; corners : (M, 2, 2) [m]
@@ -84,7 +85,7 @@ class _Tree:
     leaf : (2^levels,) the elements along a curve, the last one repeated; lower, upper : of each level, (2^k, dim) [m]
     """
 
-    def __init__(self, corners):
+    def __init__(self, corners: Floats) -> None:
         middle = corners.mean(axis=1)
         order = np.argsort(_along_curve(middle), kind="stable")
         self.levels = int(np.ceil(np.log2(len(order)))) if len(order) > 1 else 0
@@ -95,13 +96,14 @@ class _Tree:
             self.upper.insert(0, np.maximum(self.upper[0][::2], self.upper[0][1::2]))
         self.some = corners[self.leaf, 0]    # a point of each leaf
 
-    def point_in(self, box, level):
+    def point_in(self, box: Ints, level: int) -> Floats:
         """Return a point of an element in each box (n,) of a level."""
         shift = self.levels - level
-        return self.some[(box << shift) + ((1 << shift) >> 1)]
+        found: Floats = self.some[(box << shift) + ((1 << shift) >> 1)]
+        return found
 
 
-def _along_curve(x):
+def _along_curve(x: Floats) -> Ints:
     """Return numbers (n,) such that points (n, dim) with near numbers are near each other (Morton order)."""
     extent = max(np.ptp(x, axis=0).max(), 1e-300)
     place = ((x - x.min(axis=0)) / extent * (2**BITS - 1)).astype(np.int64)
@@ -112,10 +114,10 @@ def _along_curve(x):
     return key
 
 
-def _nearest(x, corners, tree, within):
+def _nearest(x: Floats, corners: Floats, tree: _Tree, within: float) -> tuple[Floats, Ints, Floats]:
     """nearest() for points that go down the tree together."""
     point, box = np.arange(len(x)), np.zeros(len(x), dtype=np.int64)
-    limit2 = np.full(len(x), within) ** 2
+    limit2 = np.square(np.full(len(x), within))
     for level in range(tree.levels + 1):
         if level:
             point, box = np.repeat(point, 2), np.repeat(2 * box, 2)
@@ -133,14 +135,14 @@ def _nearest(x, corners, tree, within):
     return _best(x, corners, point, tree.leaf[box], within)
 
 
-def _lower(limit, point, value):
+def _lower(limit: Floats, point: Ints, value: Floats) -> None:
     """Lower the limits of points to the least of their values; the points are in order."""
     if len(point):
         first = np.flatnonzero(np.append(True, point[1:] != point[:-1]))
         limit[point[first]] = np.minimum(limit[point[first]], np.minimum.reduceat(value, first))
 
 
-def _best(x, corners, point, candidate, within):
+def _best(x: Floats, corners: Floats, point: Ints, candidate: Ints, within: float) -> tuple[Floats, Ints, Floats]:
     """Return what nearest() does, of the candidates of each point, which are in the order of the points."""
     n, dim = x.shape
     distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
@@ -157,24 +159,26 @@ def _best(x, corners, point, candidate, within):
     return distance, element, foot
 
 
-def _square(away, normal):
+def _square(away: Floats, normal: Floats) -> Floats:
     """Return how squarely directions (n, dim) meet planes of these normals: the cosine's size, in front before behind.
 
     Beside an edge, the side on which a point lies is that of the element which it sees most squarely.
     """
     height = np.sum(away * normal, axis=1)
     cosine = height / np.maximum(np.linalg.norm(away, axis=1) * np.linalg.norm(normal, axis=1), 1e-300)
-    return np.abs(cosine) + TIE * np.sign(cosine)
+    found: Floats = np.abs(cosine) + TIE * np.sign(cosine)
+    return found
 
 
-def on_segments(x: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def on_segments(x: Floats, a: Floats, b: Floats) -> Floats:
     """Return the points (..., dim) [m] of straight pieces from a to b that are nearest to x."""
     along = b - a
     t = np.sum((x - a) * along, axis=-1) / np.maximum(np.sum(along * along, axis=-1), 1e-300)
-    return a + np.clip(t, 0.0, 1.0)[..., None] * along
+    found: Floats = a + np.clip(t, 0.0, 1.0)[..., None] * along
+    return found
 
 
-def _on_triangles(x, a, b, c):
+def _on_triangles(x: Floats, a: Floats, b: Floats, c: Floats) -> Floats:
     """Return the points of triangles nearest to x: the foot if it is inside, else the nearest on the sides."""
     normal = np.cross(b - a, c - a)
     size2 = np.maximum(np.sum(normal * normal, axis=-1), 1e-300)

@@ -1,10 +1,12 @@
 """What in a scene's geometry will not work, or not as meant, in plain sentences for `parisph check` (2D)."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.text import rounded_down
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import FIT
@@ -14,7 +16,7 @@ from parisph.geometry.encounters import distance_between
 from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import WallMesh, chains_of, motion_numbers, stretches, wall_mesh
 from parisph.geometry.polygons import Chain
-from parisph.geometry.solid import Wall, in_fluid, signed_area, solid_of, way_beyond
+from parisph.geometry.solid import Solid, Wall, in_fluid, signed_area, solid_of, way_beyond
 from parisph.geometry.tips import Filled
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
@@ -62,8 +64,7 @@ def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Cha
             [chain for chain in chains if rests[chain.body].all()])
 
 
-def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain],
-                 walls: Sequence[Wall] = ()) -> tuple[float, np.ndarray, int, int]:
+def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain], walls: Sequence[Wall] = ()) -> tuple[float, Floats, int, int]:
     """Return the least distance [m] across fluid between walls that do not meet there, its place, and the two bodies.
 
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
@@ -82,7 +83,7 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain],
     return np.inf, np.full(2, np.nan), -1, -1
 
 
-def _meet(pieces, piece, m):
+def _meet(pieces: Floats, piece: int, m: Floats) -> bool:
     """Return whether a piece joins the one on which the place m lies: then they make a wedge, not a gap."""
     a, b = pieces[:, 0], pieces[:, 1]
     own = np.argmin(np.linalg.norm(m - on_segments(m, a, b), axis=1))
@@ -90,11 +91,11 @@ def _meet(pieces, piece, m):
     return bool((np.linalg.norm(a[own] - b[piece]) < close) or (np.linalg.norm(b[own] - a[piece]) < close))
 
 
-def _at(x):
+def _at(x: Floats) -> str:
     return f"({x[0]:g}, {x[1]:g})"
 
 
-def _thin(walls, names, spacing) -> Iterator[str]:
+def _thin(walls: Sequence[Wall], names: Sequence[str], spacing: float) -> Iterator[str]:
     """Solids too thin to tell their inside from the fluid."""
     for wall, name in zip(walls, names):
         if isinstance(wall, Obstacle) and not isinstance(wall, Filled):
@@ -105,13 +106,13 @@ def _thin(walls, names, spacing) -> Iterator[str]:
                        f"use a spacing of at most {rounded_down(thick / THIN)}")
 
 
-def _thickness(outline):
+def _thickness(outline: Solid) -> float:
     """Return the shorter side [m] of the rectangle with the area and the circumference of an outline."""
     quarter = 0.25 * float(np.linalg.norm(area_vectors(outline.elements), axis=1).sum())
-    return quarter - np.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
+    return quarter - math.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
 
 
-def _parted(walls, names, spacing) -> Iterator[str]:
+def _parted(walls: Sequence[Wall], names: Sequence[str], spacing: float) -> Iterator[str]:
     """Profiles that end at one place or in one line, but lie behind each other, as each goes on beyond its ends."""
     profiles = [(wall, name, solid_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
     for number, (wall, name, one) in enumerate(profiles):
@@ -130,20 +131,20 @@ def _parted(walls, names, spacing) -> Iterator[str]:
                            f"{_at(start)}; give them as one Profile")
 
 
-def _in_line(way, other, spacing):
+def _in_line(way: Floats, other: Floats, spacing: float) -> bool:
     """Return whether a direction (2,) [m] leads the same way as another."""
     across = abs(way[0] * other[1] - way[1] * other[0])
-    return across < 1e-6 * spacing * np.linalg.norm(way) and way @ other > 0.0
+    return bool(across < 1e-6 * spacing * np.linalg.norm(way) and way @ other > 0.0)
 
 
-def _hidden(chains, walls, names) -> Iterator[str]:
+def _hidden(chains: Sequence[Chain], walls: Sequence[Wall], names: Sequence[str]) -> Iterator[str]:
     seen = set(np.concatenate([chain.body for chain in chains]).tolist())
     for number, (wall, name) in enumerate(zip(walls, names)):
         if number not in seen and not isinstance(wall, Filled):
             yield f"{name}: no fluid touches it, because it lies inside or behind another body; leave it out or move it"
 
 
-def _turned_in(walls, names) -> Iterator[str]:
+def _turned_in(walls: Sequence[Wall], names: Sequence[str]) -> Iterator[str]:
     """Profiles that would meet themselves however they go on beyond their ends."""
     for wall, name in zip(walls, names):
         if isinstance(wall, Profile) and way_beyond(solid_of(wall).points) is None:
@@ -151,7 +152,7 @@ def _turned_in(walls, names) -> Iterator[str]:
                    "the water beside each other, or give an Obstacle(Polygon(...)), which is closed")
 
 
-def _wedges(chains, names) -> Iterator[str]:
+def _wedges(chains: Sequence[Chain], names: Sequence[str]) -> Iterator[str]:
     for chain in chains:
         for k in np.flatnonzero(np.degrees(chain.angle) < (1.0 - ROUNDING) * WEDGE):
             body = names[chain.body[min(k, len(chain.body) - 1)]]
@@ -159,7 +160,7 @@ def _wedges(chains, names) -> Iterator[str]:
                    f"{np.degrees(chain.angle[k]):.1f} degrees; below {WEDGE:g} its tip is not resolved at any spacing")
 
 
-def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, np.ndarray, int]]:
+def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, Floats, int]]:
     """Return where walls with fluid above them cross levels [m]: the angle of the fluid below the level, between it and
     the wall [degrees], the place (2,) [m], and the body."""
     corners, found = mesh.corners(), []
@@ -174,7 +175,7 @@ def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, np.ndar
     return found
 
 
-def _beaches(mesh, names, fluids) -> Iterator[str]:
+def _beaches(mesh: WallMesh, names: Sequence[str], fluids: Sequence[Shape | StillWater]) -> Iterator[str]:
     levels = [fluid.level for fluid in fluids if isinstance(fluid, StillWater)]
     for angle, at, body in shores(mesh, levels):
         if angle < (1.0 - ROUNDING) * WEDGE:
@@ -182,7 +183,8 @@ def _beaches(mesh, names, fluids) -> Iterator[str]:
                    f"tip is not resolved at any spacing{RESTLESS if angle <= FLAT else ''}")
 
 
-def _narrow(mesh, chains, walls, names, spacing) -> Iterator[str]:
+def _narrow(mesh: WallMesh, chains: Sequence[Chain], walls: Sequence[Wall], names: Sequence[str],
+            spacing: float) -> Iterator[str]:
     gap, at, one, other = thinnest_gap(mesh, chains, walls)
     if gap < GAP * spacing:
         between = f"{names[one]} and {names[other]}" if one != other else f"two walls of {names[one]}"
@@ -190,9 +192,9 @@ def _narrow(mesh, chains, walls, names, spacing) -> Iterator[str]:
                f"needs {GAP:g}; use a spacing of at most {rounded_down(gap / GAP)}, or close it")
 
 
-def _short(chains, walls, names, spacing) -> Iterator[str]:
+def _short(chains: Sequence[Chain], walls: Sequence[Wall], names: Sequence[str], spacing: float) -> Iterator[str]:
     """Edges between corners that are shorter than the elements beside them; the shortest of each body."""
-    least = {}
+    least: dict[int, tuple[float, Floats]] = {}
     for chain in chains:
         for start, way in stretches(chain):
             body, pieces = int(chain.body[start % len(chain.body)]), len(chain.body)
@@ -207,7 +209,8 @@ def _short(chains, walls, names, spacing) -> Iterator[str]:
                f"the step, or use a spacing of at most {rounded_down(length / SHORT)}")
 
 
-def _open_ends(chains, mesh, walls, fluids, spacing) -> Iterator[str]:
+def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], fluids: Sequence[Shape | StillWater],
+               spacing: float) -> Iterator[str]:
     """Open ends of walls below the top of the fluid, through which it would leave.
 
     What moves may have gaps beside it; what is behind it has no fluid.
@@ -227,18 +230,18 @@ def _open_ends(chains, mesh, walls, fluids, spacing) -> Iterator[str]:
                        "top; lead it on above the water, or let it end on another body")
 
 
-def _is_near(fluid, x, spacing):
+def _is_near(fluid: Shape | StillWater, x: Floats, spacing: float) -> bool:
     return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
-def _filled(walls, fluids, spacing, holes, titles) -> Iterator[str]:
+def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
+            holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> Iterator[str]:
     """Bodies of fluid without particles, or too near to one another to be apart. They give way to those before them."""
     for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
-        still = isinstance(fluid, StillWater)
-        if still and not walls:
+        if isinstance(fluid, StillWater) and not walls:
             yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
-        if still and any(isinstance(other, StillWater) for other in fluids[:number]):
+        if isinstance(fluid, StillWater) and any(isinstance(other, StillWater) for other in fluids[:number]):
             yield f"{title}: there is still water before it; give one, with the higher level"
             continue
         others = taken(fluids, holes, number)
@@ -255,13 +258,15 @@ def _filled(walls, fluids, spacing, holes, titles) -> Iterator[str]:
             yield from _slits(walls, fluids, spacing, titles, number)
 
 
-def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
+def _slits(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float, titles: Sequence[str],
+           number: int) -> Iterator[str]:
     """Bodies of fluid that are less than a spacing apart: their particles would be nearer than that."""
-    if isinstance(fluids[number], StillWater):
+    fluid = fluids[number]
+    if isinstance(fluid, StillWater):
         return
-    one = solid_of(Obstacle(shape=fluids[number]))
+    one = solid_of(Obstacle(shape=fluid))
     for other, title in zip(fluids[:number], titles):
-        if isinstance(other, StillWater) or _boxes_apart(fluids[number], other, spacing):
+        if isinstance(other, StillWater) or _boxes_apart(fluid, other, spacing):
             continue
         beside = solid_of(Obstacle(shape=other))
         gap, at = distance_between(one, beside)
@@ -273,13 +278,13 @@ def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
                    f"at most {rounded_down(gap)}")
 
 
-def _boxes_apart(one, other, spacing):
+def _boxes_apart(one: Shape, other: Shape, spacing: float) -> bool:
     """Return whether the boxes around two shapes are a spacing apart."""
     (low, high), (lower, upper) = one.bounds, other.bounds
     return bool(np.any((low > upper + spacing) | (lower > high + spacing)))
 
 
-def _wall_at(walls, at, gap):
+def _wall_at(walls: Sequence[Wall], at: Floats, gap: float) -> bool:
     """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
     return not in_fluid(walls, at[None])[0] or any(
         nearest(at[None], solid_of(wall).elements)[0][0] < gap for wall in walls if isinstance(wall, Plate))

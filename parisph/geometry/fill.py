@@ -8,12 +8,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats, Ints
 from parisph.case.bodies import StillWater
 from parisph.case.lattice import FIT, STRETCH, Lattice
 from parisph.case.shapes import Box, Shape, Tank
-from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
+from parisph.geometry.columns import Intervals, between, crossings, gaps, near_pieces, union
 from parisph.geometry.distance import area_vectors, nearest
-from parisph.geometry.mesh import wall_mesh
+from parisph.geometry.mesh import WallMesh, wall_mesh
 from parisph.geometry.solid import Wall, corners_of, in_fluid
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
@@ -61,7 +62,7 @@ class Filling:
     """
 
     def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], spacing: float, holes: Sequence[Shape] = (),
-                 others: Sequence[Taken] = (), rise: Callable[[np.ndarray], np.ndarray] | None = None) -> None:
+                 others: Sequence[Taken] = (), rise: Callable[[Floats], Floats] | None = None) -> None:
         mesh = wall_mesh(walls, spacing) if walls else None
         self._rise = rise
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
@@ -85,10 +86,11 @@ class Filling:
         self._before = np.concatenate([[0], np.cumsum(end[kept] - begin[kept] + 1)])
         self.count = int(self._before[-1])
 
-    def _frame(self, tank, mesh, bodies):
+    def _frame(self, tank: Tank | None, mesh: WallMesh | None, bodies: int) -> tuple[Floats, Floats, Ints, Ints]:
         """Return origin, step, and the least and the greatest index (2,) that may be filled."""
         s = self.spacing
         if isinstance(self.shape, StillWater):
+            assert mesh is not None    # it is between walls
             lower, upper = mesh.x0.min(axis=0), mesh.x0.max(axis=0)
             origin = np.array([lower[0] if tank is None else tank.bounds[0][0], self.shape.level])
             step = self._hanging_step(tank, self.shape.level - lower[1])
@@ -100,7 +102,7 @@ class Filling:
         lattice = Lattice(self.shape, tank, s)
         return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
 
-    def _hanging_step(self, tank, depth):
+    def _hanging_step(self, tank: Tank | None, depth: float) -> Floats:
         """Return the step (2,) [m] that divides the greatest depth [m] of still water, with cells of spacing^2.
 
         Rows that end otherwise at a level bed would hold up to half a cell too much or too little in each column.
@@ -113,9 +115,9 @@ class Filling:
         across = s * s / up
         return np.array([across if tank is None else tank.width / max(round(tank.width / across), 1), up])
 
-    def _in_tip(self, middle, begin, end, mesh):
+    def _in_tip(self, middle: Ints, begin: Ints, end: Ints, mesh: WallMesh) -> Flags:
         """Return which runs are a single point of the surface where it meets a slope, too near to that, (n,) bool."""
-        found = (begin == end) & (end == 0)
+        found: Flags = (begin == end) & (end == 0)
         corners = mesh.corners()
         apart, element, _ = nearest(self.position(middle[found]), corners, self.spacing)
         area = area_vectors(corners[element])
@@ -123,16 +125,16 @@ class Filling:
         found[found] = (apart < (TIP - ROUNDING) * self.spacing) & slopes
         return found
 
-    def _lift(self, x):
+    def _lift(self, x: Floats) -> Floats:
         return np.zeros(len(x)) if self._rise is None else self._rise(x)
 
-    def _rows(self, low, high):
+    def _rows(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
         """Return the first and the last row within intervals (n,) of heights [m]."""
         y, s = self.origin[1], self.step[1]
         first, last = np.ceil((low - y) / s - ROUNDING), np.floor((high - y) / s + ROUNDING)
         return first.astype(np.int64), last.astype(np.int64)
 
-    def _free(self, lines, mesh, first, last, lift):
+    def _free(self, lines: Floats, mesh: WallMesh | None, first: int, last: int, lift: Floats) -> Intervals:
         """Return the intervals of the lines that are in the shape and far enough from walls and holes."""
         bottom = self.origin[1] + (first - 0.5) * self.step[1] + lift.min(initial=0.0)
         top = self.origin[1] + (last + 0.5) * self.step[1] + lift.max(initial=0.0)
@@ -147,7 +149,7 @@ class Filling:
         none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
         return gaps(union(none, *taken), len(lines), bottom, top)
 
-    def _taken(self, shape, holes, lines):
+    def _taken(self, shape: Shape, holes: Sequence[Shape], lines: Floats) -> Intervals:
         """Return the intervals of the lines that other fluid has, and half a spacing around it."""
         found = self._covered(shape, lines, CUT - ROUNDING)
         if not holes:
@@ -156,7 +158,7 @@ class Filling:
             self._covered(hole, lines, -(CUT - ROUNDING)) for hole in holes))
         return gaps(free, len(lines), -FAR, FAR)
 
-    def _covered(self, shape, lines, edge):
+    def _covered(self, shape: Shape, lines: Floats, edge: float) -> Intervals:
         """Return the intervals of the lines inside a shape, widened by `edge` spacings, narrowed if it is negative."""
         a = corners_of(shape)
         b = np.roll(a, -1, axis=0)
@@ -169,30 +171,31 @@ class Filling:
         outside = gaps(found, len(lines), -FAR, FAR)
         return gaps(union(outside, near), len(lines), -FAR, FAR)
 
-    def position(self, index: np.ndarray) -> np.ndarray:
+    def position(self, index: Ints) -> Floats:
         """Return the positions (n, 2) [m] of lattice indices (n, 2)."""
         x = self.origin + index * self.step
         if self._rise is not None:
             x[:, 1] += self._lift(x[:, 0])
         return x
 
-    def indices(self, start: int = 0, stop: int | None = None) -> np.ndarray:
+    def indices(self, start: int = 0, stop: int | None = None) -> Ints:
         """Return the lattice indices (n, 2) of the points number start to stop. Only these are held in memory."""
         number = np.arange(start, self.count if stop is None else min(stop, self.count))
         run = np.searchsorted(self._before, number, side="right") - 1
         return np.stack([self._line[run] + self._ends[0][0], self._begin[run] + number - self._before[run]], axis=1)
 
-    def cells(self, index: np.ndarray) -> np.ndarray:
+    def cells(self, index: Ints) -> Floats:
         """Return the area (n,) [m2] of a Box that is nearest to each of its points (n, 2), where these are all of it.
 
         A point beside a wall has 3/2 cells, one on the surface 1/2.
         """
+        assert isinstance(self.shape, Box)
         (first, last), (lower, upper) = self._ends, self.shape.bounds
         x, half = self.position(index), 0.5 * self.step
         sides = np.where(index == last, upper, x + half) - np.where(index == first, lower, x - half)
         return np.asarray(sides.prod(axis=1))
 
-    def is_surface(self, index: np.ndarray, others: "Sequence[Filling]" = ()) -> np.ndarray:
+    def is_surface(self, index: Ints, others: "Sequence[Filling]" = ()) -> Flags:
         """Return which of the filled indices (n, 2) have a neighbour along an axis that is not in the shape, (n,) bool.
 
         Walls that the shape reaches have no free surface before them. others : further fluid, which may be there
@@ -206,7 +209,7 @@ class Filling:
                 free |= ~np.any([fill.holds(x) for fill in fills], axis=0)
         return free
 
-    def holds(self, x: np.ndarray) -> np.ndarray:
+    def holds(self, x: Floats) -> Flags:
         """Return which points x (n, 2) [m] lie in the shape or on its edge, walls or not, (n,) bool."""
         edge = EDGE * self.spacing
         if isinstance(self.shape, StillWater):
@@ -216,7 +219,7 @@ class Filling:
             inside &= ~hole.inside(x, -edge) if not hasattr(hole, "points") else ~hole.inside(x, 0.0)
         return inside
 
-    def wet(self, x: np.ndarray) -> np.ndarray:
+    def wet(self, x: Floats) -> Flags:
         """Return which points x (n, 2) [m] are in this fluid, without the elevation of still water, (n,) bool."""
         found = x[:, 1] <= self.shape.level if isinstance(self.shape, StillWater) else self.shape.inside(x, 0.0)
         for hole in self.holes:
@@ -228,7 +231,7 @@ class Filling:
         return found
 
 
-def _on_lattice(box, tank, spacing):
+def _on_lattice(box: Box, tank: Tank, spacing: float) -> bool:
     """Return whether the edges of a box lie on the lattice of its tank, or it is too thin for one of its own."""
     if np.any(box.size < THIN * spacing):
         return True

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.case.lattice import Lattice
 from parisph.case.motion import AtRest, Motion
@@ -49,15 +50,15 @@ class WallMesh:
     element_body : (M,) int; bodies : Body number 0, 1, ...
     """
 
-    x0: np.ndarray
-    normal0: np.ndarray
-    area: np.ndarray
-    vector_area: np.ndarray
-    share: np.ndarray
-    body: np.ndarray
-    edge: np.ndarray
-    elements: np.ndarray
-    element_body: np.ndarray
+    x0: Floats
+    normal0: Floats
+    area: Floats
+    vector_area: Floats
+    share: Floats
+    body: Array
+    edge: Array
+    elements: Array
+    element_body: Array
     bodies: tuple[Body, ...] = field(default=())
 
     @property
@@ -66,11 +67,12 @@ class WallMesh:
         return self.x0.shape[1]
 
     @property
-    def ends(self) -> np.ndarray:
+    def ends(self) -> Flags:
         """Which nodes (N,) are at the end of a line of elements: in one element only."""
-        return np.bincount(self.elements.ravel(), minlength=len(self.x0)) == 1
+        found: Flags = np.bincount(self.elements.ravel(), minlength=len(self.x0)) == 1
+        return found
 
-    def corners(self, x: np.ndarray | None = None) -> np.ndarray:
+    def corners(self, x: Floats | None = None) -> Floats:
         """Return the corners (M, dim, dim) [m] of the elements, with the nodes at x (N, dim) [m], or at rest."""
         return (self.x0 if x is None else x)[self.elements]
 
@@ -97,7 +99,7 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
 
 @lru_cache(maxsize=4)
-def _wall_mesh(walls, spacing):
+def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
     bodies = tuple(Body(name, number, _slip(wall))
                    for name, number, wall in zip(body_names(walls), motion_numbers(walls), walls))
     chains = chains_of(walls, spacing)
@@ -105,8 +107,7 @@ def _wall_mesh(walls, spacing):
         names = ", ".join(body.name for body in bodies)
         raise CaseError(f"walls: no fluid touches any of {names}: each lies inside another")
     meshes, tank = [], _lone_tank(walls, chains)
-    if tank is not None:
-        wall = walls[tank]
+    if tank is not None and isinstance(wall := walls[tank], Tank):
         mesh = block_mesh(Lattice(Box(width=wall.width, height=wall.height, at=wall.at), wall, spacing))
         meshes.append(replace(mesh, body=mesh.body + np.int32(tank), element_body=mesh.element_body + np.int32(tank)))
     meshes += [chain_mesh(chain, spacing) for chain in chains if tank is None or not np.all(chain.body == tank)]
@@ -120,7 +121,7 @@ def chains_of(walls: Sequence[Wall], spacing: float) -> list[Chain]:
 
 
 @lru_cache(maxsize=4)
-def _chains_of(walls, spacing):
+def _chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)
@@ -140,12 +141,12 @@ def motion_numbers(walls: Sequence[Wall]) -> list[int]:
     return [0 if isinstance(wall.motion, AtRest) else motions.index(wall.motion) for wall in walls]
 
 
-def _slip(wall):
+def _slip(wall: Wall) -> str:
     """Return "none" for a wall to which viscous fluid sticks; a Tank may have such sides beside others."""
     return ("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip
 
 
-def _lone_tank(walls, chains):
+def _lone_tank(walls: Sequence[Wall], chains: Sequence[Chain]) -> int | None:
     """Return the number of the tank whose outline no other body touches, or None."""
     for number, wall in enumerate(walls):
         if isinstance(wall, Tank):
@@ -161,7 +162,7 @@ def block_mesh(lattice: Lattice) -> WallMesh:
     dim, top, step = index.shape[1], lattice.top, lattice.step
     planes = np.abs(inward).sum(axis=1)
     order = np.ravel_multi_index(tuple(index.T), tuple(top + 1))    # ascending
-    faces, elements = [], []
+    faces, simplices = [], []
     for axis in range(dim):
         for sign in (1, -1):
             there = index[inward[:, axis] == sign]
@@ -169,29 +170,30 @@ def block_mesh(lattice: Lattice) -> WallMesh:
                 cells = np.moveaxis(_cells(there, axis, top), -1, 0)
                 corners = np.searchsorted(order, np.ravel_multi_index(tuple(cells), tuple(top + 1)))
                 faces.append((corners, np.eye(dim)[axis] * sign * np.delete(step, axis).prod()))
-                elements.append(_simplices(corners, axis, sign))
+                simplices.append(_simplices(corners, axis, sign))
     vectors, area = np.zeros((len(index), dim)), np.zeros(len(index))
     for corners, vector in faces:
         np.add.at(vectors, corners, vector / corners.shape[1])
         np.add.at(area, corners, np.abs(vector).sum() / corners.shape[1])
     length = np.linalg.norm(inward, axis=1)
-    elements = np.concatenate(elements)
+    elements = np.concatenate(simplices)
     return WallMesh(
         x0=lattice.position(index), normal0=inward / length[:, None], area=area, vector_area=vectors, share=0.5**planes,
         body=np.zeros(len(index), np.int32), edge=np.where(planes > 1, CONCAVE, FLAT).astype(np.int8),
         elements=elements.astype(np.int32), element_body=np.zeros(len(elements), np.int32))
 
 
-def _cells(index, axis, top):
+def _cells(index: Ints, axis: int, top: Ints) -> Ints:
     """Return the corner indices (cells, 2^(dim-1), dim) of the cells on one face of a block."""
     others = [a for a in range(index.shape[1]) if a != axis]
     lowest = index[(index[:, others] < top[others]).all(axis=1)]
     steps = np.zeros((2 ** len(others), index.shape[1]), dtype=np.int64)
     steps[:, others] = np.indices((2,) * len(others)).reshape(len(others), -1).T
-    return lowest[:, None, :] + steps
+    found: Ints = lowest[:, None, :] + steps
+    return found
 
 
-def _simplices(corners, axis, sign):
+def _simplices(corners: Ints, axis: int, sign: int) -> Ints:
     """Divide cells into elements with the fluid on the side to which sign * axis points."""
     if corners.shape[1] == 2:    # along x the fluid above is on the left, along y that at greater x is on the right
         return corners if (axis == 1) == (sign == 1) else corners[:, ::-1]
@@ -228,7 +230,7 @@ def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
         edge=edge.astype(np.int8), elements=pairs.astype(np.int32), element_body=body)
 
 
-def _nodes(chain, spacing):
+def _nodes(chain: Chain, spacing: float) -> tuple[Floats, Ints, Ints]:
     """Return the nodes (n, 2) of a chain, the body of each element, and each node's corner of the chain or -1, (n,)."""
     points, pieces = chain.points, len(chain.body)
     convex = chain.angle > np.pi + SMOOTH
@@ -247,7 +249,7 @@ def _nodes(chain, spacing):
     return np.concatenate(x), np.concatenate(body).astype(np.int32), np.array(corner)
 
 
-def stretches(chain: Chain) -> Iterator[tuple[int, np.ndarray]]:
+def stretches(chain: Chain) -> Iterator[tuple[int, Floats]]:
     """Yield the stretches of a chain between its corners: the number of the first point, and all points (n, 2) [m]."""
     breaks = _breaks(chain)
     stops = [*breaks[1:], breaks[0] + len(chain.body)] if chain.closed else breaks[1:]
@@ -255,7 +257,7 @@ def stretches(chain: Chain) -> Iterator[tuple[int, np.ndarray]]:
         yield start, chain.points[np.arange(start, stop + 1) % len(chain.points)]
 
 
-def _breaks(chain):
+def _breaks(chain: Chain) -> list[int]:
     """Return the numbers of the points at which a new stretch begins: corners, ends, and where another body begins."""
     sharp = np.abs(chain.angle - np.pi) >= SMOOTH
     if chain.closed:
@@ -263,10 +265,11 @@ def _breaks(chain):
         return np.flatnonzero(sharp).tolist() or [0]
     sharp[1:-1] |= chain.body[1:] != chain.body[:-1]
     sharp[[0, -1]] = True
-    return np.flatnonzero(sharp).tolist()
+    found: list[int] = np.flatnonzero(sharp).tolist()
+    return found
 
 
-def _divided(way, spacing, least):
+def _divided(way: Floats, spacing: float, least: int) -> Floats:
     """Divide a line through points (n, 2) into round(length / s) pieces of equal length along it."""
     reach = reaches(way)
     pieces = max(round(reach[-1] / spacing), least)
@@ -277,17 +280,17 @@ def _divided(way, spacing, least):
     return np.concatenate([way[:1], inner, way[-1:]])
 
 
-def reaches(way: np.ndarray) -> np.ndarray:
+def reaches(way: Floats) -> Floats:
     """Return how far it is along a line through points (n, dim) [m] to each of them, (n,) [m]."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
 
 
-def places_along(way: np.ndarray, reach: np.ndarray, along: np.ndarray) -> np.ndarray:
+def places_along(way: Floats, reach: Floats, along: Floats) -> Floats:
     """Return the places (m, dim) [m] at distances (m,) [m] along such a line, of whose points `reach` are these."""
     return np.stack([np.interp(along, reach, column) for column in way.T], axis=1)
 
 
-def _together(meshes, bodies):
+def _together(meshes: Sequence[WallMesh], bodies: tuple[Body, ...]) -> WallMesh:
     """Return meshes as one."""
     joint = {name: np.concatenate([getattr(mesh, name) for mesh in meshes]) for name in vars(meshes[0])
              if name not in ("elements", "bodies")}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats, Ints
 from parisph.geometry.columns import cross, meet, overlapping
 from parisph.geometry.solid import Solid
 
@@ -26,15 +27,16 @@ class Chain:
     angle : (n,) [rad], of the fluid at each point: pi where the wall is straight, and at the ends of an open chain
     """
 
-    points: np.ndarray
-    body: np.ndarray
-    angle: np.ndarray
+    points: Floats
+    body: Ints
+    angle: Floats
     closed: bool
 
     @property
-    def elements(self) -> np.ndarray:
+    def elements(self) -> Floats:
         """The first and the last point of each piece, (pieces, 2, 2) [m]."""
-        return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)[: len(self.body)]
+        found: Floats = np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)[: len(self.body)]
+        return found
 
 
 def joined(outlines: Sequence[Solid], spacing: float) -> list[Chain]:
@@ -47,13 +49,13 @@ def joined(outlines: Sequence[Solid], spacing: float) -> list[Chain]:
     return _chains(points, pieces[keep], body[keep])
 
 
-def _fluid_angle(back, ahead):
+def _fluid_angle(back: Floats, ahead: Floats) -> Floats:
     """Return the angle of the fluid between directions (n, 2), clockwise from `back` to `ahead`, in (0, 2 pi]."""
     angle = (np.arctan2(back[:, 1], back[:, 0]) - np.arctan2(ahead[:, 1], ahead[:, 0])) % (2.0 * np.pi)
     return np.where((angle < 1e-9) | (angle > 2.0 * np.pi - 1e-9), 2.0 * np.pi, angle)
 
 
-def _cut(outlines, close):
+def _cut(outlines: Sequence[Solid], close: float) -> tuple[Floats, Ints, Ints]:
     """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and their bodies (m,)."""
     a, b = np.concatenate([outline.elements for outline in outlines]).swapaxes(0, 1)
     body = np.repeat(np.arange(len(outlines)), [len(outline.elements) for outline in outlines])
@@ -69,7 +71,7 @@ def _cut(outlines, close):
     return points, np.stack([at[:-1], at[1:]], axis=1)[real], body[owner[:-1][real]]
 
 
-def _meetings(a, b, body, close):
+def _meetings(a: Floats, b: Floats, body: Ints, close: float) -> tuple[Ints, Floats]:
     """Return which pieces others touch or cross, and where, as parts of their length between 0 and 1, (n,) each."""
     pairs = np.concatenate([np.stack(pair) for pair in overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close)],
                            axis=1)
@@ -91,14 +93,14 @@ def _meetings(a, b, body, close):
     return owner[inner], t[inner]
 
 
-def _merged(places, close):
+def _merged(places: Floats, close: float) -> tuple[Ints, Floats]:
     """Return the number of each place's (n, 2) point, and the points: close places are one, the first of them."""
     groups = np.stack([_groups(places[:, axis], close) for axis in range(2)], axis=1)
     _, first, number = np.unique(groups, axis=0, return_index=True, return_inverse=True)
     return number.reshape(-1), places[first]
 
 
-def _groups(values, close):
+def _groups(values: Floats, close: float) -> Ints:
     """Return group numbers (n,) of values, such that neighbours in one group differ by at most `close`."""
     order = np.argsort(values, kind="stable")
     group = np.empty(len(values), dtype=np.int64)
@@ -106,7 +108,7 @@ def _groups(values, close):
     return group
 
 
-def _seen(outlines, points, pieces, body):
+def _seen(outlines: Sequence[Solid], points: Floats, pieces: Ints, body: Ints) -> Flags:
     """Return which pieces bound fluid, (m,) bool: not inside another body, not face to face with one, and not twice."""
     two_sided = np.array([o.two_sided for o in outlines])
     keep, on = np.ones(len(pieces), dtype=bool), np.zeros((len(pieces), len(outlines)), dtype=bool)
@@ -124,7 +126,7 @@ def _seen(outlines, points, pieces, body):
     return keep
 
 
-def _kept(forward, thin):
+def _kept(forward: Flags, thin: Flags) -> Flags:
     """Return which of the pieces in one place stay: one in each direction in which there is fluid.
 
     forward : (n,) bool, their directions; thin : (n,) bool, whether they are of a plate. Two solids leave no fluid
@@ -139,7 +141,7 @@ def _kept(forward, thin):
     return keep
 
 
-def _chains(points, pieces, body):
+def _chains(points: Floats, pieces: Ints, body: Ints) -> list[Chain]:
     """Join pieces to chains, those with an open start first; at a joint the fluid is between a piece and the next."""
     after, angle = _next_pieces(points, pieces)
     has_before = np.zeros(len(pieces), dtype=bool)
@@ -156,7 +158,7 @@ def _chains(points, pieces, body):
     return chains
 
 
-def _chain(points, pieces, body, angle, row, closed):
+def _chain(points: Floats, pieces: Ints, body: Ints, angle: Floats, row: Ints, closed: bool) -> Chain:
     at = points[pieces[row, 0]]
     if closed:
         return Chain(at, body[row], angle[np.roll(row, 1)], True)
@@ -164,7 +166,7 @@ def _chain(points, pieces, body, angle, row, closed):
     return Chain(np.concatenate([at, end]), body[row], np.concatenate([[np.pi], angle[row[:-1]], [np.pi]]), False)
 
 
-def _next_pieces(points, pieces):
+def _next_pieces(points: Floats, pieces: Ints) -> tuple[Ints, Floats]:
     """Return for each piece the one that follows it, -1 for none, and the angle of the fluid between them [rad]."""
     ends = np.concatenate([pieces[:, 1], pieces[:, 0]])
     order = np.argsort(ends, kind="stable")

@@ -52,12 +52,13 @@ def on_side(mesh: WallMesh, number: int, side: str | None) -> Ints:
 
     number : of the body; side : one of SIDES, None for all of it
     """
-    own = mesh.elements[mesh.element_body == number]
+    own: Ints = mesh.elements[mesh.element_body == number]
     if side is None:
         return own
     axis, inward = SIDES[side]
     normal = area_vectors(mesh.x0[own])
-    return own[inward * normal[:, axis] > SQUARE * np.linalg.norm(normal, axis=1)]
+    found: Ints = own[inward * normal[:, axis] > SQUARE * np.linalg.norm(normal, axis=1)]
+    return found
 
 
 def faults(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Floats, Ints
 from parisph.case.bodies import StillWater
 from parisph.geometry.columns import between, crossings, meet, overlapping
 from parisph.geometry.fill import Filling
@@ -18,8 +19,8 @@ FINE = 8          # pieces of a spacing
 CHUNK = 2**18     # pieces that are looked at in one go
 
 
-def fluid_area(fill: Filling, lower: Sequence[float], upper: Sequence[float],
-               stretch: Callable[[np.ndarray], np.ndarray] | None = None) -> float:
+def fluid_area(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[float] | Floats,
+               stretch: Callable[[Floats], Floats] | None = None) -> float:
     """Return the area [m2] of a body of fluid; see `samples`.
 
     stretch : None, or a function of places (n, 2) that gives the factor (n,) by which columns are stretched there
@@ -29,8 +30,8 @@ def fluid_area(fill: Filling, lower: Sequence[float], upper: Sequence[float],
     return float(np.sum(width * (high - low) * factor))
 
 
-def samples(fill: Filling, lower: Sequence[float], upper: Sequence[float],
-            ends: tuple[float, float] = (-np.inf, np.inf)) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def samples(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[float] | Floats,
+            ends: tuple[float, float] = (-np.inf, np.inf)) -> Iterator[tuple[Floats, Floats]]:
     """Yield places (m, 2) [m] all over a body of fluid, and the area (m,) [m2] around each of them. Not collective.
 
     An elevation of still water is left out: see geometry.raised.
@@ -51,13 +52,13 @@ def samples(fill: Filling, lower: Sequence[float], upper: Sequence[float],
         first = stop
 
 
-def _pieces(fill, lower, upper):
+def _pieces(fill: Filling, lower: Floats, upper: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the fluid on the middle lines of strips: place, width, lower and upper end [m]."""
     a, b, sides = _sides(fill, lower, upper)
     cuts = np.unique(np.clip(np.concatenate([a[:, 0], sides, [lower[0], upper[0]]]), lower[0], upper[0]))
     _, at, width = _divided(cuts[:-1], cuts[1:], fill.spacing)
     line, height = crossings(a, b, at)
-    every = np.arange(len(at))
+    every: Ints = np.arange(len(at))
     line = np.concatenate([line, every, every])
     height = np.clip(height, lower[1], upper[1])
     height = np.concatenate([height, np.full(len(at), lower[1]), np.full(len(at), upper[1])])
@@ -67,7 +68,7 @@ def _pieces(fill, lower, upper):
     return at[line], width[line], low, high
 
 
-def _sides(fill, lower, upper):
+def _sides(fill: Filling, lower: Floats, upper: Floats) -> tuple[Floats, Floats, Floats]:
     """Return all straight pieces that may bound the fluid, (n, 2) each, and further places [m] where it may end."""
     solids = [solid_of(wall) for wall in fill.walls]
     pieces = [solid.elements for solid in solids]
@@ -76,17 +77,18 @@ def _sides(fill, lower, upper):
             far = 4.0 * np.linalg.norm(upper - lower) + np.abs(outline.points).max() + np.abs(lower).max()
             for end, way in zip(outline.points[[0, -1]], outline.ways):
                 pieces.append(np.array([[end, end + far * way / np.linalg.norm(way)]]))
-    still = isinstance(fill.shape, StillWater)
     shapes = [*fill.holes, *(shape for other, holes in fill.others for shape in (other, *holes))]
-    for corners in map(corners_of, shapes if still else [fill.shape, *shapes]):
+    if not isinstance(fill.shape, StillWater):
+        shapes.insert(0, fill.shape)
+    for corners in map(corners_of, shapes):
         pieces.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
-    if still:
+    if isinstance(fill.shape, StillWater):
         pieces.append(np.array([[(lower[0], fill.shape.level), (upper[0], fill.shape.level)]]))
     a, b = np.concatenate(pieces).swapaxes(0, 1)
     return a, b, np.concatenate([b[:, 0], _meetings(a, b)])
 
 
-def _meetings(a, b):
+def _meetings(a: Floats, b: Floats) -> Floats:
     """Return the x [m] at which pieces cross: there the height of the fluid has a kink."""
     found = [np.empty(0)]
     for i, j in overlapping(np.minimum(a, b), np.maximum(a, b)):
@@ -97,7 +99,7 @@ def _meetings(a, b):
     return np.concatenate(found)
 
 
-def _divided(low, high, spacing):
+def _divided(low: Floats, high: Floats, spacing: float) -> tuple[Ints, Floats, Floats]:
     """Divide intervals into short pieces: return how many of each, (n,), and their middles and lengths (m,) [m]."""
     number = np.maximum(np.ceil((high - low) * FINE / spacing - 1e-9).astype(np.int64), 1)
     size = np.repeat((high - low) / number, number)

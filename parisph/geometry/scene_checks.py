@@ -178,9 +178,9 @@ def _few(case: Case) -> Iterator[str]:
 
 def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
-    if case.closed or case.lone_tank is not None or not _at_lid(case):
-        return
     tank, s = case.tank, case.numerics.spacing
+    if tank is None or case.closed or case.lone_tank is not None or not _at_lid(case):
+        return
     top, width = float(tank.bounds[1][1]), tank.width
     if fluid_area(Filling(StillWater(level=top), walls, s), *domain(case)) - volume(case) < 0.5 * s * width:
         yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "

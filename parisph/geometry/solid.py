@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats
 from parisph.case.bodies import Obstacle, Plate, Profile
 from parisph.case.shapes import Box, Disc, Shape, Tank
 from parisph.geometry.columns import cross, meet
@@ -26,23 +27,24 @@ class Solid:
     beyond : "straight", "up" or "down": how an open outline continues
     """
 
-    points: np.ndarray
+    points: Floats
     closed: bool
     two_sided: bool = False
     beyond: str = "straight"
 
     @property
-    def ways(self) -> tuple[np.ndarray, np.ndarray]:
+    def ways(self) -> tuple[Floats, Floats]:
         """Directions (2,) in which an open outline continues beyond its first and its last point."""
         return _ways(self.points, self.beyond)
 
     @property
-    def elements(self) -> np.ndarray:
+    def elements(self) -> Floats:
         """The first and the last point of each straight piece, (pieces, 2, 2) [m]."""
         pairs = np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
-        return pairs if self.closed else pairs[:-1]
+        found: Floats = pairs if self.closed else pairs[:-1]
+        return found
 
-    def in_front(self, x: np.ndarray) -> np.ndarray:
+    def in_front(self, x: Floats) -> Flags:
         """Return which of the points x (n, 2) [m] lie on the fluid's side of this body, (n,) bool.
 
         The pieces are seen from x under angles whose sum is known but for a whole turn, which tells the sides apart.
@@ -65,7 +67,7 @@ class Solid:
         front[near] = turn > whole - np.pi
         return front
 
-    def depth(self, x: np.ndarray) -> np.ndarray:
+    def depth(self, x: Floats) -> Floats:
         """Return how far points x (n, 2) [m] are behind the elements, 0 in front of them, (n,) [m]."""
         behind = ~self.in_front(x)
         far = np.zeros(len(x))
@@ -93,20 +95,20 @@ def solid_of(body: Wall) -> Solid:
     raise TypeError(f"{type(body).__name__} has no outline")
 
 
-def way_beyond(points: np.ndarray) -> str | None:
+def way_beyond(points: Floats) -> str | None:
     """Return how a line through points (n, 2) [m] can go on beyond its ends and not meet itself: "straight" if it can,
     else "up", as a bowl whose ends overhang, else "down"; None if it meets itself in each way."""
     return next((how for how in ("straight", "up", "down") if not _meets_itself(points, *_ways(points, how))), None)
 
 
-def _ways(points, beyond):
+def _ways(points: Floats, beyond: str) -> tuple[Floats, Floats]:
     if beyond == "straight":
         return points[0] - points[1], points[-1] - points[-2]
     way = np.array([0.0, 1.0 if beyond == "up" else -1.0])
     return way, way
 
 
-def _meets_itself(points, first, last):
+def _meets_itself(points: Floats, first: Floats, last: Floats) -> bool:
     """Return whether rays from the ends of a line through points, in these directions, meet it or each other."""
     a, b = points[:-1], points[1:]
     way = b - a
@@ -114,14 +116,14 @@ def _meets_itself(points, first, last):
             or _ray_meets(points[0], first, points[-1:], last[None], np.inf))
 
 
-def _ray_meets(start, way, at, along, most):
+def _ray_meets(start: Floats, way: Floats, at: Floats, along: Floats, most: float) -> bool:
     """Return whether start + t way, t > 0, meets one of the pieces at + u along (n, 2), 0 <= u <= most."""
     t, u = meet(start, way, at, along)
     parallel = np.abs(cross(way, along)) <= 1e-12 * np.linalg.norm(way) * np.linalg.norm(along, axis=1)
     return bool(np.any(~parallel & (t > 0.0) & (u >= 0.0) & (u <= most)))
 
 
-def corners_of(shape: Shape) -> np.ndarray:
+def corners_of(shape: Shape) -> Floats:
     """Return the corners (n, 2) [m] of a Box, Disc or Polygon; a disc has FACETS of them, and its own area."""
     if isinstance(shape, Box):
         (left, low), (right, high) = shape.bounds
@@ -129,17 +131,18 @@ def corners_of(shape: Shape) -> np.ndarray:
     if isinstance(shape, Disc):
         angle = 2.0 * np.pi * np.arange(FACETS) / FACETS
         radius = shape.radius * np.sqrt(2.0 * np.pi / (FACETS * np.sin(2.0 * np.pi / FACETS)))
-        return np.array(shape.at) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        found: Floats = np.array(shape.at) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return found
     return np.array(shape.points, dtype=float)
 
 
-def signed_area(points: np.ndarray) -> float:
+def signed_area(points: Floats) -> float:
     """Return the area within points (n, 2) [m] joined in order, negative if they go round clockwise [m2]."""
     x, y = (points - points[0]).T
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
 
 
-def in_fluid(walls: Sequence[Wall], x: np.ndarray) -> np.ndarray:
+def in_fluid(walls: Sequence[Wall], x: Floats) -> Flags:
     """Return which points x (n, 2) [m] lie in front of all walls, (n,) bool. The work is points times elements."""
     inside = np.ones(len(x), dtype=bool)
     for wall in walls:
@@ -147,10 +150,10 @@ def in_fluid(walls: Sequence[Wall], x: np.ndarray) -> np.ndarray:
     return inside
 
 
-def _clockwise(points):
+def _clockwise(points: Floats) -> Floats:
     return points[::-1].copy() if signed_area(points) > 0.0 else points
 
 
-def _angle(a, b):
+def _angle(a: Floats, b: Floats) -> Floats:
     """Return the angle from a to b (n, 2), anticlockwise, in [-pi, pi]."""
     return np.arctan2(cross(a, b), a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.case.bodies import Flap, Obstacle, Piston, Profile
 from parisph.case.motion import AtRest
@@ -76,13 +77,15 @@ def _bed(fixed: Sequence[Wall], x: float) -> float | None:
 
 def _spans(body: Obstacle, x: float) -> list[tuple[float, float]]:
     """Return the lower and the upper ends [m] of what of a solid is at x."""
-    heights = np.sort(crossings(*solid_of(body).elements.swapaxes(0, 1), np.array([x]))[1]).tolist()
+    a, b = solid_of(body).elements.swapaxes(0, 1)
+    heights = np.sort(crossings(a, b, np.array([x]))[1]).tolist()
     return list(zip(heights[::2], heights[1::2]))
 
 
-def _beds(fixed: Sequence[Wall], x: float) -> np.ndarray:
+def _beds(fixed: Sequence[Wall], x: float) -> Floats:
     """Return the heights (n,) [m] of walls at x with fluid above them."""
     a, b = np.concatenate([np.empty((0, 2, 2)), *(solid_of(body).elements for body in fixed)]).swapaxes(0, 1)
     up = (a[:, 0] < b[:, 0]) & (a[:, 0] <= x) & (x <= b[:, 0])
     a, along = a[up], (b - a)[up]
-    return a[:, 1] + (x - a[:, 0]) / along[:, 0] * along[:, 1]
+    found: Floats = a[:, 1] + (x - a[:, 0]) / along[:, 0] * along[:, 1]
+    return found

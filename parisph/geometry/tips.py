@@ -13,10 +13,11 @@ from functools import lru_cache
 from itertools import count
 
 import numpy as np
+from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
-from parisph.case.bodies import Obstacle
+from parisph.case.bodies import Obstacle, Slip
 from parisph.case.shapes import Polygon
 from parisph.geometry.columns import overlapping
 from parisph.geometry.distance import nearest
@@ -38,7 +39,7 @@ class Filled(Obstacle):
     beside : numbers of the two bodies between which it is
     """
 
-    beside: tuple[int, int]
+    beside: tuple[int, int] = Field(kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def tips(walls: tuple[Wall, ...], spacing: float) -> tuple[Tip, ...]:
     found: list[Tip] = []
     chains = chains_of(walls, spacing)
     for one, other, at, gap, corners, length in [*_wedges(chains, spacing), *_necks(chains, walls, spacing)]:
-        slip = "none" if all(getattr(walls[body], "slip", "free") == "none" for body in (one, other)) else "free"
+        slip: Slip = "none" if all(getattr(walls[body], "slip", "free") == "none" for body in (one, other)) else "free"
         try:
             solid = Filled(shape=Polygon(points=tuple(map(tuple, corners.tolist()))), motion=walls[one].motion,
                            name=_name([*walls, *(tip.solid for tip in found)]), slip=slip, beside=(one, other))

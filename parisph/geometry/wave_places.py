@@ -4,8 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.absorb import Relaxation
-from parisph.case.bodies import Flap, Piston
+from parisph.case.bodies import Flap, Piston, Profile
 from parisph.case.motion import AtRest
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
@@ -22,7 +23,7 @@ def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
     walls : geometry.standing.standing of the case
     """
     for name, maker, face in zip(body_names(case.bodies), case.bodies, walls):
-        if isinstance(maker, (Piston, Flap)) and maker.wave is not None:
+        if isinstance(maker, (Piston, Flap)) and isinstance(face, Profile) and maker.wave is not None:
             bed = float(np.min(np.array(face.points)[:, 1]))
             if isinstance(maker, Flap) and maker.bed is not None:
                 bed = maker.bed
@@ -35,7 +36,7 @@ def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
             yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
 
 
-def _depth(case, where, depth, x, bed, level) -> Iterator[str]:
+def _depth(case: Scene, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
     """Compare the depth of a wave with those of the water at places x (n,) above beds (n,) [m]."""
     if level is None:
         boxes = [case.bounds_of(fluid) for fluid in case.fluids]

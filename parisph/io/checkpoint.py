@@ -48,8 +48,6 @@ class Share:
 class Checkpoint:
     """The content of a checkpoint, with this rank's share of the particles.
 
-    Attributes
-    ----------
     time [s], step, dt [s] : of the run at the checkpoint
     case : str, the case as JSON
     state : dict given by the driver (probes, time stepping, ...)
@@ -87,8 +85,6 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
     Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the
     files in the folder are the run's: no other file is removed.
 
-    Parameters
-    ----------
     particles : Particles; all its fields that migrate are written
     time [s], step, dt [s] : dt is that of the next step
     case : JSON text
@@ -97,9 +93,7 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
     earlier : file names of the run's checkpoints so far, oldest first; all but the last are removed
     flows : earlier flows to write too
 
-    Raises
-    ------
-    StoreError on every rank; earlier checkpoints are then unchanged.
+    Raises StoreError on every rank; earlier checkpoints are then unchanged.
     """
     path = Path(folder) / f"{step:08d}.h5"
     earlier = [name for name in earlier if name != path.name]
@@ -130,9 +124,7 @@ def read(comm: Communicator, path: AnyPath) -> Checkpoint:
 
     The number of ranks may differ from that of the run that wrote it.
 
-    Raises
-    ------
-    StoreError on every rank if the file is missing, damaged, of another version, or no checkpoint. It
+    Raises StoreError on every rank if the file is missing, damaged, of another version, or no checkpoint. It
     names the newest sound checkpoint in the same folder, if there is one, and the command to use it.
     """
     path = Path(path)
@@ -143,7 +135,8 @@ def read(comm: Communicator, path: AnyPath) -> Checkpoint:
 
 
 def _read(comm: Communicator, path: Path) -> Checkpoint:
-    early = comm.bcast(_is_early(path) if comm.rank == 0 else None)
+    # beside the case of a run without an identity, files may have no digest
+    early = comm.bcast(_identity_beside(path) == "" if comm.rank == 0 else None)
     digest.check_together(comm, path, early)
     loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size, early))
     on_first(comm, f"read {path}", lambda: _check_place(path, loaded))
@@ -174,11 +167,6 @@ def _is_sound(comm: Communicator, path: Path) -> bool:
     except StoreError:    # on every rank
         return False
     return True
-
-
-def _is_early(path: Path) -> bool:
-    """Return whether a checkpoint is beside the case of a run without an identity, whose files may have no digest."""
-    return _identity_beside(path) == ""
 
 
 def _read_share(path: Path, rank: int, size: int, early: bool) -> Checkpoint:

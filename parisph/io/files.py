@@ -25,9 +25,7 @@ Result = TypeVar("Result")
 def together(comm: Communicator, doing: str, action: Callable[[], Result]) -> Result:
     """Run `action()` on this rank and return its result. Collective.
 
-    Raises
-    ------
-    StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
+    Raises StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
     Any other exception is also raised on all ranks (errors.agree), so that no rank waits forever.
     """
     result: Result | None = None

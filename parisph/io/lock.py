@@ -26,13 +26,10 @@ Found: TypeAlias = dict[str, Any]    # what a lock says
 class Lock:
     """The right to write into a folder. One rank only.
 
-    Parameters
-    ----------
     folder : the folder of the run, which is there
     force : whether to take over the lock of a process that may or may not run
 
-    Raises
-    ------
+    Raises:
     StoreError : another process writes into the folder; says which, and what to do. OSError : the folder cannot be
         written.
     """

@@ -28,8 +28,6 @@ class Run:
     """A finished or running run, read from its folder. Made by `open_run`. Every method raises
     StoreError for files that cannot be read, and CaseError for an unknown probe.
 
-    Attributes
-    ----------
     folder : pathlib.Path
     case : dict, the resolved case
     identity : str, the identity of the run, which is in all its files

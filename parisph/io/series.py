@@ -26,8 +26,6 @@ OF_RUN_LINE = f"# {OF_RUN}"
 class SeriesFile:
     """A CSV file that grows line by line. One rank only; every method raises OSError.
 
-    Parameters
-    ----------
     path : pathlib.Path
     columns : dict of column name -> unit ("" for none); `time` and `step` are added in front
     title : str, one line of description
@@ -37,9 +35,7 @@ class SeriesFile:
 
     Of an old file with other columns, as an older release wrote it, those of the same name go on; new ones are empty.
 
-    Raises
-    ------
-    StoreError : the old file is damaged, or of another run
+    Raises StoreError: the old file is damaged, or of another run
     """
 
     def __init__(self, path: AnyPath, columns: Mapping[str, str], title: str = "", keep_to: int | None = None,

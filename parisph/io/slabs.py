@@ -36,8 +36,6 @@ KEPT = 4 << 20      # bytes of a file up to which its pattern is kept in memory
 class Slab:
     """The rows of one dataset that this rank owns.
 
-    Attributes
-    ----------
     path : name of the dataset in the file
     data : (n, ...) this rank's rows
     start, total : first row of this rank, and number of rows on all ranks
@@ -91,16 +89,12 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
           pattern: Pattern | None = None) -> None:
     """Write one HDF5 file from the rows of all ranks, with its digest, and publish it under its name. Collective.
 
-    Parameters
-    ----------
     path : pathlib.Path of the file
     slabs : list of Slab, the same paths, types and totals on every rank
     decorate : function of the open h5py.File, run on rank 0: groups, attributes, small datasets
     pattern : of the series that the file belongs to, which expects it; None for a file of its own
 
-    Raises
-    ------
-    StoreError on every rank; an existing file of that name is then unchanged.
+    Raises StoreError on every rank; an existing file of that name is then unchanged.
     """
     doing = f"write {path}"
     hidden = temporary(path)

@@ -59,8 +59,6 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
           attributes: Mapping[str, str | float], pattern: Pattern | None = None) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
-    Parameters
-    ----------
     path : pathlib.Path
     particles : Particles (owned rows are written)
     time [s], step : of the particles
@@ -68,9 +66,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
     attributes : dict of str, int or float for the root of the file
     pattern : of a series of snapshots, which are then written faster
 
-    Raises
-    ------
-    StoreError on every rank, for an unknown field or a failing disk.
+    Raises StoreError on every rank, for an unknown field or a failing disk.
     """
     n, start, total = particles.n_owned, particles.offset, particles.n_global
     names = check_fields(fields)
@@ -95,14 +91,10 @@ def read(path: AnyPath, time: float | None = None, run: str = "", early: bool = 
     Rows are sorted by id, so that a row is the same particle in every snapshot; `time` [s] and
     `step` are in the dict too. Not collective.
 
-    Parameters
-    ----------
     time [s], run : the expected time, and the expected run (its identity); None and "" accept any
     early : whether the run has no identity, and its files perhaps no digest (io.digest)
 
-    Raises
-    ------
-    StoreError : the file does not match its digest, is not a snapshot, or not the expected one.
+    Raises StoreError: the file does not match its digest, is not a snapshot, or not the expected one.
     """
     registry = {NAMES.get(name, name): name for name in FIELDS}
     with _opened(path, time, run, early) as file:

@@ -32,8 +32,6 @@ class Store:
 
     Made by `Store.create` or `Store.resume`. Disk errors raise StoreError on every rank.
 
-    Attributes
-    ----------
     folder : pathlib.Path
     run : str, identity of the run, which is written to all its files
     about : dict of str -> str or number, how the run is made; written to all later files
@@ -62,8 +60,6 @@ class Store:
                fields: Sequence[str] = ("u", "p", "role"), lock: Lock | None = None) -> "Store":
         """Start a run in `folder`. Collective.
 
-        Parameters
-        ----------
         comm : mpi4py communicator
         folder : created if it does not exist
         case : the resolved case as JSON text
@@ -71,9 +67,7 @@ class Store:
         fields : names in the field registry for snapshots; id, kind and role are always written
         lock : io.lock.Lock on rank 0, which is renewed while the run goes on; None for none
 
-        Raises
-        ------
-        StoreError on every rank: a field is unknown, the folder holds a run, or cannot be written.
+        Raises StoreError on every rank: a field is unknown, the folder holds a run, or cannot be written.
         """
         store = cls(comm, folder, case, about or {}, fields, lock)
         on_first(comm, f"start a run in {folder}", store._start)

@@ -81,8 +81,9 @@ class Snapshot(dict[str, Any]):
                 f"{fields}>")
 
     def _repr_html_(self) -> str:
-        rows = [[name, " x ".join(map(str, value.shape)), _span(value)] for name, value in self.items()
-                if isinstance(value, np.ndarray)]
+        rows = [[name, " x ".join(map(str, value.shape)),
+                 f"{value.min():.6g}, {value.max():.6g}" if value.size and value.dtype.kind in "fiu" else ""]
+                for name, value in self.items() if isinstance(value, np.ndarray)]
         title = f"Snapshot at t = {self['time']:.6g} s, step {self['step']}"
         return rows_as_html(title, ["field", "shape", "least and greatest"], rows)
 
@@ -96,7 +97,3 @@ def rows_as_html(title: str, headings: Sequence[str], rows: Sequence[Sequence[st
 
 def _cell(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, (float, np.floating)) else str(value)
-
-
-def _span(values: Array) -> str:
-    return f"{values.min():.6g}, {values.max():.6g}" if values.size and values.dtype.kind in "fiu" else ""

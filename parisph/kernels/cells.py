@@ -76,7 +76,7 @@ def _cell(point, lower, size, counts, axes):
 
 
 @kernel
-def _sort(x, lower, size, counts, axes):
+def _sort(x, lower, size, counts, axes) -> tuple[np.ndarray, np.ndarray]:
     total = 1
     for a in range(len(axes)):
         total *= counts[a]

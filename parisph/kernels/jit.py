@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
-from typing import Any
+from typing import Any, TypeVar
 
 from parisph.kernels import cache, compiling, kept, processor
 from parisph.kernels.processor import numba
@@ -10,10 +10,13 @@ from parisph.kernels.processor import numba
 processor.choose_level()
 processor.leave_out_avx512()
 
+_F = TypeVar("_F", bound=Callable[..., Any])    # kernels are typed as the functions that they compile
+
 # Kernels avoid division by zero themselves, so the checks of Python's error model are not needed.
 # NaN must stay NaN, because that is how errors are found: no "nnan".
 # Nothing calls kernels from C: without wrappers for that they compile faster.
-_OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
+_OPTIONS: dict[str, Any] = dict(
+    error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
 
 FOLDERS = cache.folders(int(numba.config.OPT))
@@ -21,9 +24,9 @@ COMPILATION = compiling.Compilation()
 numba.core.event.register("numba:compile", COMPILATION)
 
 
-def _compiler(cached=False, **options):
+def _compiler(cached: bool = False, **options: Any) -> Callable[[_F], _F]:
     """Return a decorator like numba.njit(**options), with the cache in parisph's folders."""
-    def decorate(function):
+    def decorate(function: _F) -> _F:
         made = numba.njit(**options)(function)
         if cached and not numba.config.DISABLE_JIT:
             made._cache = kept.Kept(function, FOLDERS)
@@ -63,7 +66,7 @@ class Subkernel:
         return self.alone(*arguments)
 
 
-def _subkernel_compiler(**options):
+def _subkernel_compiler(**options: Any) -> Callable[[Callable[..., Any]], Subkernel]:
     """Return a decorator for functions that only kernels call."""
     return lambda function: Subkernel(function, options)
 

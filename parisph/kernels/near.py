@@ -51,7 +51,7 @@ CLOSE = 0.0625    # tuned 0.03125 to 0.125: square of the distance in radii belo
 
 
 @inlined
-def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float) -> int:
+def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float) -> np.int64:
     """Write the neighbours of i that are used in stencils, in units of the radius.
 
     near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
@@ -73,7 +73,7 @@ def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Clou
 
 @inlined
 def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float,
-                  reach: float) -> int:
+                  reach: float) -> np.int64:
     """Write the neighbours as `gather` does, but only those nearer than the reach: lists may reach farther."""
     x, axes = cloud.x, cloud.axes
     n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]

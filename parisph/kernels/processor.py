@@ -13,7 +13,7 @@ with warnings.catch_warnings(record=True) as _said:
     _first = "numba" not in sys.modules
 
     with libraries.unconfigured("numba"):
-        import numba
+        import numba as numba  # for the other modules
 
 for _warning in _said:    # numba shows a traceback and goes on where it cannot read a variable
     _fault = surroundings.unread_number(str(_warning.message))

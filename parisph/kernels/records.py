@@ -59,7 +59,7 @@ class Rows(NamedTuple):
     measure : (n,) [m^2], at walls [m]; 0 for a row without a Laplacian or derivative
     """
 
-    count: np.ndarray
+    count: np.ndarray    # type: ignore[assignment] # instead of the method of tuples
     columns: np.ndarray
     values: np.ndarray
     measure: np.ndarray
@@ -74,7 +74,7 @@ class Flux(NamedTuple):
     flux : (nnz, dim) [1/m]; div : (n,) [1/s], of the velocity that the stencils were filled with
     """
 
-    count: np.ndarray
+    count: np.ndarray    # type: ignore[assignment] # instead of the method of tuples
     columns: np.ndarray
     flux: np.ndarray
     div: np.ndarray

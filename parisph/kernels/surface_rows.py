@@ -29,7 +29,8 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
     half a layer outside the centres of the last ones: with p = 0 at the centres, a drop is too small by half a spacing
     all around, and a jet of two particles has no pressure. Layers of a flow that stretches come nearer to each other,
     so a is in proportion to their distance. A particle that stands for half a cell lies on the surface, as at the
-    start of a tank: its row stays p = 0.
+    start of a tank: its row stays p = 0. With p = 0 half a spacing outside, whatever the distance of layers, falling
+    columns five to twelve particles wide gain up to 2 % of their energy, and .01 % so.
 
     cells : (n_all,), how much of its cell a particle stands for
     offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]

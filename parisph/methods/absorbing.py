@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.methods.parts import FORCES, Force
 
 if TYPE_CHECKING:
@@ -19,13 +20,14 @@ class Absorption(Force):
 
     name, only, words, cause = "absorb", "absorbing", "absorb", "absorb"
 
-    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+    def add(self, out: Floats, flow: "Flow", time: float) -> None:
+        assert flow.absorb is not None    # the scene has zones
         rate, pull = flow.absorb(flow.particles.x_all, time)
         own = (pull - rate[:, None] * flow.particles.u_all) / (1.0 + flow.step.dt * rate)[:, None]
         flow.step.absorbed = own[:flow.particles.n_owned]
         out += own
 
-    def work(self, flow: "Flow", start: np.ndarray) -> float:
+    def work(self, flow: "Flow", start: Floats) -> float:
         """The force times the mean of the velocities before and after: the part of the kinetic energy's change."""
         p = flow.particles
         power = np.einsum("ia,ia->i", flow.step.absorbed, 0.5 * (start + p.u))

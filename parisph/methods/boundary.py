@@ -4,12 +4,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from parisph.base.arrays import Array, Flags, Floats
 from parisph.base.fields import ABSENT, DRY, WALL
 from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import density, gradient, movement, solids, wall_law, wetness
 from parisph.kernels.near import Form
-from parisph.kernels.records import Walls
+from parisph.kernels.records import Cloud, Walls
 from parisph.methods import lengths
 from parisph.parallel.wall_elements import NO_ROOM, WallElements
 
@@ -41,7 +42,7 @@ class Boundary:
             p.covered *= np.clip(0.5 + self.elements.before_moving(p) / flow.spacing, 0.0, 1.0)
         return ("covered",)
 
-    def counted(self, flow: "Flow", least: int) -> np.ndarray:
+    def counted(self, flow: "Flow", least: int) -> Floats:
         """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
         p = flow.particles
         if not flow.open:
@@ -52,20 +53,20 @@ class Boundary:
         """Return the elements, as far as they count."""
         return self.elements.walls._replace(present=self.elements.mean_of_nodes(self.counted(flow, least)))
 
-    def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+    def density_ratio(self, out: Floats, flow: "Flow", least: int) -> None:
         """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
         density.completed_density(out, *self._completion(flow, least))
 
-    def density_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+    def density_gradient(self, out: Floats, flow: "Flow", least: int) -> None:
         """Write the gradient of the density ratio of owned fluid to out (n_owned, dim) [1/m], 0 for walls."""
         density.completed_gradient(out, *self._completion(flow, least))
 
-    def _completion(self, flow, least):
+    def _completion(self, flow: "Flow", least: int) -> tuple[Cloud, Walls, Floats, Floats, density.Table]:
         p, counted = flow.particles, self.counted(flow, least)
         walls = self.elements.walls._replace(present=self.elements.mean_of_nodes(counted))
         return flow.cloud, walls, p.weight_all * counted, p.area_all * counted[:, None], self.table
 
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: Floats, gradient: Floats, share: Floats, flow: "Flow") -> None:
         """Write what half cells at walls for which no fluid stands contribute.
 
         ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs
@@ -75,25 +76,25 @@ class Boundary:
         filled, lean = density.node_terms(weight, area, share)
         density.node_sums(ratio, gradient, cloud, walls, weight - filled, area - lean, table)
 
-    def cells(self, flow: "Flow") -> np.ndarray:
+    def cells(self, flow: "Flow") -> Floats:
         """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""
         return np.where(flow.particles.half_all == 1, 0.5, flow.cells)
 
     # -- what keeps fluid off --------------------------------------------------------------
 
-    def keep_off(self, move: np.ndarray, flow: "Flow", distance: float | None = None) -> None:
+    def keep_off(self, move: Floats, flow: "Flow", distance: float | None = None) -> None:
         """Remove from moves (n_owned, dim) [m] of fluid what leads nearer to a wall than a distance [spacings], by
         default that of the wall guard."""
         distance = flow.numerics.wall_guard if distance is None else distance
         solids.keep_off(move, flow.cloud, self.elements.walls, distance * flow.spacing)
 
-    def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
+    def guard(self, u: Floats, flow: "Flow", dt: float) -> None:
         """Limit velocities u (n_all, dim) [m/s] of owned fluid, so that a step of dt [s] ends before a wall."""
         solids.guard(u, flow.cloud, self.elements.walls, flow.numerics.wall_guard * flow.spacing, dt)
 
     # -- friction --------------------------------------------------------------------------
 
-    def viscous(self, flow: "Flow", seen: np.ndarray) -> tuple[np.ndarray, Walls]:
+    def viscous(self, flow: "Flow", seen: Array) -> tuple[Array, Walls]:
         """Return which particles the viscous force sees, kind (n_all,) or ABSENT, and the elements of walls.
 
         seen : (n_all,) kind, ABSENT for walls behind air
@@ -107,7 +108,7 @@ class Boundary:
         walls = e.walls._replace(velocity=u, sticks=sticks, present=there.astype(float))
         return np.where(unknown, np.int8(ABSENT), seen), walls
 
-    def rub(self, out: np.ndarray, flow: "Flow", law: Friction) -> None:
+    def rub(self, out: Floats, flow: "Flow", law: Friction) -> None:
         """Add the friction of walls that fluid slips along to out (n_owned, dim) [m/s^2]."""
         p, e = flow.particles, self.elements
         # walls at rest may slide, as a lid does; those that move have their velocity from their motion
@@ -130,13 +131,13 @@ class Boundary:
             self.elements.place(at, start, stop)
             self.elements.put(flow.particles)
 
-    def acceleration(self, flow: "Flow") -> np.ndarray | None:
+    def acceleration(self, flow: "Flow") -> Floats | None:
         """Return the acceleration of owned wall particles in the step, (n_owned, dim) [m/s^2], 0 for fluid; None if all
         walls rest."""
         e = self.elements
         return e.of_particles(e.a, flow.particles) if e.moving else None
 
-    def normal_acceleration(self, flow: "Flow") -> np.ndarray | None:
+    def normal_acceleration(self, flow: "Flow") -> Floats | None:
         """Return that of fluid which slides along walls, at owned particles (n_owned,) [m/s^2]; None if all walls rest.
 
         n . a of the wall, and what turns the fluid with it: - 2 dn/dt . (u - u_w), as Coriolis' force in its frame.
@@ -145,7 +146,8 @@ class Boundary:
         if not e.moving:
             return None
         along = np.einsum("ia,ia->i", p.normal, e.of_particles(e.a, p))
-        return along - 2.0 * np.einsum("ia,ia->i", e.of_particles(e.turn, p), p.u - p.wall_u)
+        found: Floats = along - 2.0 * np.einsum("ia,ia->i", e.of_particles(e.turn, p), p.u - p.wall_u)
+        return found
 
     def longest_step(self, flow: "Flow", time: float) -> float:
         """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
@@ -153,7 +155,7 @@ class Boundary:
 
     # -- what is known of the pressure beside walls ----------------------------------------
 
-    def known_slopes(self, flow: "Flow") -> np.ndarray:
+    def known_slopes(self, flow: "Flow") -> Flags:
         """Return which particles (n_all,) are walls with one normal, across which the slope of pressure is known.
 
         Also dry ones: the pressure of a wave goes on above its surface, as far as a stencil reaches. But not those
@@ -162,9 +164,10 @@ class Boundary:
         p = flow.particles
         closing = p.closing_all if flow.open else np.empty(0, np.int8)    # else all walls are wet
         known = wetness.known_slopes(flow.cloud, closing, flow.step.body_force)
-        return known & (p.edge_all != CONVEX)
+        found: Flags = known & (p.edge_all != CONVEX)
+        return found
 
-    def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
+    def slope(self, flow: "Flow", along: Floats | None) -> Floats:
         """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
 
         None stands for 0. Of the pressure, along is rho times the force, and walls that move have less of it.
@@ -179,7 +182,7 @@ class Boundary:
             found[here] -= flow.density * (np.einsum("ia,ia->i", p.normal_all[here], a) - 2.0 * turned)
         return found
 
-    def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
+    def mend_gradient(self, out: Floats, known: Flags, f: Floats, slope: Floats | None, flow: "Flow",
                       form: Form) -> None:
         """Repeat a linear fit out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
 

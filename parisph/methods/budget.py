@@ -3,6 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats
 from parisph.kernels.energy import energy_sums
 from parisph.parallel.particles import Particles
 
@@ -21,7 +22,7 @@ class Budget:
         kinetic and potential energy between them
     """
 
-    def __init__(self, density: float, gravity: np.ndarray, causes: tuple[str, ...]) -> None:
+    def __init__(self, density: float, gravity: Floats, causes: tuple[str, ...]) -> None:
         self._density, self._gravity, self.causes = density, gravity, causes
         self._gains, self._last = np.zeros(len(causes)), 0.0
 
@@ -51,10 +52,11 @@ class Budget:
             comm.Allreduce(MPI.IN_PLACE, gains, op=MPI.SUM)
         return {f"work_{cause}": float(gain) for cause, gain in zip(self.causes, gains)}
 
-    def _energy(self, p):
+    def _energy(self, p: Particles) -> float:
         """Return the energy of owned fluid [J, in 2D J/m]; walls have no volume."""
         kinetic, potential, _ = energy_sums(p.volume, p.x, p.u, self._gravity, np.zeros(p.dim))
-        return self._density * (kinetic + potential)
+        found: float = self._density * (kinetic + potential)
+        return found
 
 
 class NoBudget:

@@ -8,7 +8,7 @@ from typing import Any
 from parisph.base.errors import CaseError
 from parisph.base.fields import FieldSet
 from parisph.case.methods import METHODS
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import Numerics, ResolvedNumerics
 from parisph.case.presets import PRESETS
 from parisph.methods import (  # noqa: F401 (they register)
     absorbing,
@@ -61,10 +61,10 @@ ASKED = {"viscous": "fluid.viscosity or numerics.smagorinsky", "friction": "fric
 class Parts:
     """The parts that the numbers of a case switch on, and what follows from them.
 
-    numerics : resolved Numerics
+    numerics : ResolvedNumerics
     """
 
-    numerics: Numerics
+    numerics: ResolvedNumerics
     laplacian: Laplacian
     divergence: Divergence
     wall_rows: WallRows
@@ -76,10 +76,10 @@ class Parts:
     regularisers: tuple[Regulariser, ...]
 
     @classmethod
-    def of(cls, numerics: Numerics, physics: Collection[str] = ()) -> "Parts":
+    def of(cls, numerics: ResolvedNumerics, physics: Collection[str] = ()) -> "Parts":
         """Return the parts of a scene. Not collective.
 
-        numerics : resolved; physics : what the scene has, words of vocabulary.PHYSICS
+        physics : what the scene has, words of vocabulary.PHYSICS
         """
         n = numerics
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
@@ -180,7 +180,7 @@ class CompressibleParts:
     reach = 2.0 * lengths.SPH
     causes = ("pressure",)
 
-    def __init__(self, numerics: Numerics) -> None:
+    def __init__(self, numerics: ResolvedNumerics) -> None:
         self.numerics = numerics
         self.keeps_surface = SURFACES[numerics.surface_rule].keeps
         self.fields = FieldSet(("rho", "pull", *(("start_role",) if self.keeps_surface else ())))
@@ -203,7 +203,7 @@ class CompressibleParts:
                             "or choose a projection method")
 
 
-def parts_of(numerics: Numerics, physics: Collection[str] = ()) -> Any:
+def parts_of(numerics: ResolvedNumerics, physics: Collection[str] = ()) -> Parts | CompressibleParts:
     """Return the parts of a method: Parts of a projection, or CompressibleParts. Not collective. See Parts.of."""
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)
@@ -216,7 +216,7 @@ def unread(numerics: Numerics) -> list[str]:
     numerics : as the user gave them
     """
     given, found = numerics.resolved(), []
-    own = {word for name in given.regularisers or () for word in REGULARISERS[name].reads}
+    own = {word for name in given.regularisers for word in REGULARISERS[name].reads}
     if METHODS[numerics.method].step == "compressible":
         own = set()
     for word in sorted({word for part in REGULARISERS.values() for word in part.reads} - own):

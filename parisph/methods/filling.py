@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID, INNER, SURFACE, WALL
 from parisph.kernels import packing, strain
 from parisph.kernels.cells import nearest_points
@@ -29,7 +30,7 @@ def pack(flow: Flow, steps: int = packing.STEPS) -> None:
     d.refresh()
 
 
-def weigh(flow: Flow, samples: Iterable[tuple[np.ndarray, np.ndarray]]) -> float:
+def weigh(flow: Flow, samples: Iterable[tuple[Floats, Floats]]) -> float:
     """Give each fluid particle the volume of the places that are nearest to it; return their sum [m^dim]. Collective.
 
     samples : places and the volumes around them, at least all near particles of this rank (kernels.packing.volumes)
@@ -80,7 +81,7 @@ def weigh_cells(flow: Flow) -> None:
     d.update("weight")
 
 
-def scatter(flow: Flow, move: np.ndarray) -> None:
+def scatter(flow: Flow, move: Floats) -> None:
     """Displace the fluid by move (n_owned, dim) [m], but no nearer to walls than packing does. Collective."""
     flow.walls.keep_off(move, flow, packing.GUARD)
     flow.particles.x[:] += move

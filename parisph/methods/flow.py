@@ -9,7 +9,7 @@ from parisph.base.arrays import Array, Floats
 from parisph.base.fields import FLUID
 from parisph.base.log import Timers
 from parisph.case.friction import Friction
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import gradient, pairs, surface, wetness
 from parisph.kernels.curvature import Bending
 from parisph.kernels.jit import axes_of
@@ -30,7 +30,7 @@ class Flow:
 
     Parameters
     ----------
-    numerics : resolved Numerics
+    numerics : ResolvedNumerics
     density : [kg/m^3]; viscosity : kinematic [m^2/s]
     body : callable (x (n, dim), t) -> (n, dim), not to be written, the body force per unit mass in the tank's frame
         [m/s^2]
@@ -62,7 +62,7 @@ class Flow:
     solver: "PressureSolver"
     pressure_gradient: Callable[..., Floats]
 
-    def __init__(self, numerics: Numerics, density: float, body: Callable[[Floats, float], Floats],
+    def __init__(self, numerics: ResolvedNumerics, density: float, body: Callable[[Floats, float], Floats],
                  particles: Particles, domain: Domain, walls: Any, timers: Timers, closed: bool = False,
                  budget: Budget | None = None, viscosity: float = 0.0, spin: Callable[[float], float] | None = None,
                  absorb: Callable[[Floats, float], tuple[Floats, Floats]] | None = None,

@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.fields import ABSENT, FLUID, WALL
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetness
 from parisph.kernels.records import Walls
 from parisph.methods import lengths, straining
@@ -16,11 +17,15 @@ if TYPE_CHECKING:
 
 
 class Body(Force):
-    """Gravity, and the inertia of a tank that moves."""
+    """Gravity, and the inertia of a tank that moves.
+
+    Where the divergence of the force varies as a sine, and lifts the surface by .17 d, the level of water at rest is
+    off by up to 3 % within 4 s at d/s = 9. A force that is linear in space leaves it at rest.
+    """
 
     name = "body"
 
-    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+    def add(self, out: Floats, flow: "Flow", time: float) -> None:
         force = flow.step.body_force = flow.body(flow.particles.x_all, time)
         for axis in range(out.shape[1]):    # numpy is slow along a short last axis
             out[:, axis] += force[:, axis]
@@ -39,14 +44,14 @@ class Coriolis(Force):
     fields = ("acceleration", "halfway")
     dims = (2,)
 
-    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+    def add(self, out: Floats, flow: "Flow", time: float) -> None:
         p, d = flow.particles, flow.domain
         p.halfway[:] = p.u + 0.5 * flow.step.dt * p.acceleration
         d.update("halfway", "role")
         gradient.wall_velocity(p.halfway_all, flow.cloud, np.zeros_like(p.u), flow.wall_shear(time),
                                lengths.WALL * flow.spacing)
         d.update("halfway")
-        spin = flow.spin(time)
+        spin = flow.turn(time)
         out[:, 0] += 2.0 * spin * p.halfway_all[:, 1]
         out[:, 1] -= 2.0 * spin * p.halfway_all[:, 0]
 
@@ -63,11 +68,11 @@ class Viscous(Force):
     fields = "no_slip", "wall_u", "nu", "viscous"
     open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # beside them, with a free surface
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         open_ones = self.open_fields if SURFACES[numerics.surface_rule].open else ()
         return (*self.fields, *open_ones, *(straining.FIELDS if numerics.smagorinsky else ()))
 
-    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+    def add(self, out: Floats, flow: "Flow", time: float) -> None:
         p, d = flow.particles, flow.domain
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
@@ -78,7 +83,7 @@ class Viscous(Force):
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, walls: Walls) -> None:
+    def laplacian(self, out: Floats, flow: "Flow", seen: Array, walls: Walls) -> None:
         """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2], and surface_pressure if there is a free surface.
 
         seen : (n_all,) kind, ABSENT for walls behind air
@@ -95,19 +100,19 @@ class Viscous(Force):
         nu = flow.viscosity + (p.nu.max(initial=0.0) if flow.numerics.smagorinsky else 0.0)
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
 
-    def _update(self, flow):
+    def _update(self, flow: "Flow") -> tuple[Array, Walls]:
         """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air, and the walls
         as elements. Collective.
         """
         p, d = flow.particles, flow.domain
-        if not flow.open:    # all walls are wet
-            d.update("u", "nu", "role")
-            return flow.walls.viscous(flow, p.kind_all)
-        wetness.touched_walls(p.touched, flow.cloud)
-        d.update("u", "nu", "role", "touched")
-        return flow.walls.viscous(flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
+        if flow.open:    # else all walls are wet
+            wetness.touched_walls(p.touched, flow.cloud)
+        d.update("u", "nu", "role", *(("touched",) if flow.open else ()))
+        seen = np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all) if flow.open else p.kind_all
+        found: tuple[Array, Walls] = flow.walls.viscous(flow, seen)
+        return found
 
-    def _write_viscosity(self, flow):
+    def _write_viscosity(self, flow: "Flow") -> None:
         """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
         p, n = flow.particles, flow.numerics
         if n.smagorinsky:
@@ -119,12 +124,15 @@ class Viscous(Force):
 
 
 class MorrisViscous(Viscous):
-    """nu lap u by the form of Morris, which conserves momentum; on a free surface n . grad u = 0 and p = 0."""
+    """nu lap u by the form of Morris, which conserves momentum; on a free surface n . grad u = 0 and p = 0.
+
+    It converges only as long as particles stay on their lattice.
+    """
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
     open_fields = ("touched",)
 
-    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, walls: Walls) -> None:
+    def laplacian(self, out: Floats, flow: "Flow", seen: Array, walls: Walls) -> None:
         p = flow.particles
         viscous.morris(out, flow.cloud._replace(kind=seen), walls, viscous.Flowing(p.u_all, p.nu_all, p.no_slip_all),
                        lengths.DENSITY * flow.spacing)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.kernels import extrapolation
 from parisph.parallel.particles import Particles
 
@@ -28,7 +29,7 @@ class Guesses:
         self.most = 4 if waves else 3
         self.times: list[float] = []
 
-    def at(self, particles: Particles, time: float) -> np.ndarray:
+    def at(self, particles: Particles, time: float) -> Floats:
         """Return the guesses of the pressure at a time [s]: (1 to 3, n_owned) [Pa]. Not collective."""
         p = particles
         orders = [order for order in range(2, len(self.times) + 1) if len(set(self.times[:order])) == order][-2:]
@@ -48,7 +49,7 @@ class Guesses:
         p.p_before[:] = p.p
         self.times = [time, *self.times[:self.most - 1]]
 
-    def _earliest(self, particles: Particles) -> np.ndarray:
+    def _earliest(self, particles: Particles) -> Floats:
         return particles.p_earliest if self.most == 4 else particles.p_earlier
 
     def restart(self, time: float) -> None:

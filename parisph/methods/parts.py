@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 import numpy as np
 
 from parisph.base import vocabulary
-from parisph.case.numerics import Numerics
+from parisph.base.arrays import Array, Floats
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels.near import Form
 from parisph.kernels.records import Cloud, Flux, Rows
 
@@ -37,11 +38,11 @@ class Part(ABC):
     fields: ClassVar[tuple[str, ...]] = ()
     dims: ClassVar[tuple[int, ...]] = (2, 3)
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         """Return whether the numbers of a case switch it on."""
         return True
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         """Return the names of the fields it needs with the numbers of a case."""
         return self.fields
 
@@ -69,7 +70,7 @@ class Laplacian(Part):
     linear: ClassVar[bool] = True
 
     @abstractmethod
-    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
         """Write count, columns, values and measure of inner particles. Not collective.
 
         u : (n_all, dim) [m/s], for the flux divergence if it gives it
@@ -80,7 +81,7 @@ class Divergence(Part):
     """Stencils of the divergence: div u_I = sum_J flux_J . (u_J - u_I) at inner particles."""
 
     @abstractmethod
-    def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+    def fill(self, flux: Flux, cloud: Cloud, u: Floats) -> None:
         """Write count, columns and flux of inner particles, and div of u (n_all, dim). Not collective."""
 
 
@@ -91,7 +92,7 @@ class WallRows(Part):
     def fill(self, rows: Rows, cloud: Cloud) -> None:
         """Write count, columns, values and measure of wet wall particles. Not collective."""
 
-    def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
+    def complete(self, right: Floats, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         """Add what the rows need to know of the pressure beside its normal derivative to the right-hand side
         (n_owned,) [Pa]. Not collective.
 
@@ -108,8 +109,8 @@ class Gradient(Part):
     whole: ClassVar[bool] = False
 
     @abstractmethod
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
+    def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
+              laplacian: Floats | None = None) -> None:
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
         along : (n_all, dim), what the gradient is across walls at rest (methods.boundary), None for 0
@@ -118,7 +119,7 @@ class Gradient(Part):
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
         """
 
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+    def complete(self, out: Floats, flow: "Flow") -> None:
         """Add what is known of the pressure of the flow, and of no other field, to its gradient (n_owned, dim) [Pa/m].
 
         Not collective.
@@ -143,7 +144,7 @@ class Surface(Part):
     keeps: ClassVar[bool] = False
 
     @abstractmethod
-    def find(self, flow: "Flow", seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: Array) -> None:
         """Write the roles of owned fluid particles. Not collective.
 
         seen : (n_all,) kind, ABSENT for walls that do not count
@@ -153,12 +154,12 @@ class Surface(Part):
 class Source(Part):
     """The right-hand side of the pressure equation."""
 
-    def words(self, numerics: Numerics) -> str:
+    def words(self, numerics: ResolvedNumerics) -> str:
         """Return what `parisph check` says of it with the numbers of a case, or nothing."""
         return ""
 
     @abstractmethod
-    def target(self, flow: "Flow", dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> Floats:
         """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
 
 
@@ -184,10 +185,10 @@ class Force(Part):
                 raise ValueError(f"force {cls.__name__}: {word} = True has no effect; write only = \"{word}\"")
 
     @abstractmethod
-    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+    def add(self, out: Floats, flow: "Flow", time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
-    def work(self, flow: "Flow", start: np.ndarray) -> float:
+    def work(self, flow: "Flow", start: Floats) -> float:
         """Return what owned fluid has gained by it in the step [J, in 2D J/m], for a part with a cause. Not collective.
 
         start : (n_owned, dim) velocity before the step [m/s]
@@ -226,7 +227,7 @@ class Regulariser(Part):
         """Write the fields that `change` needs of neighbours, and put their names into flow.stale. Collective."""
 
     @abstractmethod
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         """Return the change of velocity [m/s], or of position [m], of owned particles (n_owned, dim). Not collective.
 
         dt : of the step [s]
@@ -236,7 +237,7 @@ class Regulariser(Part):
 class Limiter(Regulariser):
     """A regulariser that acts on what those before it have left."""
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         """Return no change, because it is not known before the others have acted."""
         return np.zeros_like(flow.particles.x)
 
@@ -257,7 +258,8 @@ class Registry(Mapping[str, P], Generic[P]):
     """
 
     def __init__(self, what: str) -> None:
-        self.what, self._parts = what, {}
+        self.what = what
+        self._parts: dict[str, P] = {}
 
     def register(self, part: P) -> P:
         """Add a part and return it. Do it on every rank, before a case is made that names it.

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.base.arrays import Floats
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import movement
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.potential_fit import Potential, fit_potential
@@ -48,7 +49,8 @@ class Irrotational(Regulariser):
     """Removes what each velocity has beyond a potential flow, at the rate filter sqrt(a/s), with the acceleration
     a by pressure; less in rapid flow.
 
-    Small errors of the operators grow at .02 to .05 sqrt(g/s) without it.
+    Small errors of the operators grow at .02 to .05 sqrt(g/s) without it. A standing wave with a = .05 d and d/s = 20
+    gains .7 % of its energy in 60 periods with a filter of .5, and 2.5 % with .33.
 
     Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit, unless a
     filter in proportion to the strain (`filter_strain`) does that.
@@ -58,10 +60,10 @@ class Irrotational(Regulariser):
     fields, reads = straining.FIELDS, ("filter",)
     needs_potential = True
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.filter > 0.0
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         step, fit = flow.step, flow.step.potential
         if fit is None and flow.numerics.filter_strain:
             return np.zeros_like(flow.particles.u)

@@ -160,7 +160,9 @@ class Projection:
         limiting = [part for part in self.parts if part.limits_step]
         if not limiting:
             return np.inf
-        return self.flow.particles.comm.allreduce(min(part.longest_step(self.flow) for part in limiting), op=MPI.MIN)
+        mine = min(part.longest_step(self.flow) for part in limiting)
+        found: float = self.flow.particles.comm.allreduce(mine, op=MPI.MIN)
+        return found
 
     @property
     def pressure_time(self) -> float | None:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import WALL
 from parisph.kernels import gradient
 from parisph.methods import lengths
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 
-def write_wall_velocity(flow: "Flow", shear: np.ndarray, later: float = 0.0) -> None:
+def write_wall_velocity(flow: "Flow", shear: Floats, later: float = 0.0) -> None:
     """Write the velocity of owned walls: that of the wall across it, that of the fluid along it. Not collective.
 
     Where fluid sticks it is that of the wall. Ghosts keep theirs until the field "u" is updated.

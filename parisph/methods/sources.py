@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.base.arrays import Floats
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import mixed_source
 from parisph.methods.parts import SOURCES, Source
 from parisph.methods.positions import compression
@@ -28,24 +29,26 @@ class Mixed(Source):
 
     name, source = "mixed", "Z14 Eqs 17-19"
 
-    def words(self, numerics: Numerics) -> str:
+    def words(self, numerics: ResolvedNumerics) -> str:
         said = ["strain source"] if numerics.strain > 0.0 else []
         if numerics.volume_time > 0.0:
             said.append("volume given back")
         return ", ".join(said)
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         weights = {"alpha": numerics.gamma, "expansion": numerics.volume_time, "left": numerics.volume_time}
         return tuple(name for name, weight in weights.items() if weight > 0.0)
 
-    def target(self, flow: "Flow", dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> Floats:
         n, density = flow.numerics, flow.density
-        target = self._of_velocity(flow, dt, min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta)
+        zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
+        assert zeta is not None    # or it would follow from its time
+        target = self._of_velocity(flow, dt, zeta)
         if n.gamma > 0.0:
             target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha)
         return target
 
-    def _of_velocity(self, flow, dt, zeta):
+    def _of_velocity(self, flow: "Flow", dt: float, zeta: float) -> Floats:
         """Return the part of the target that the velocity gives (n_owned,) [Pa/m^2]."""
         p, n, density = flow.particles, flow.numerics, flow.density
         if not (n.strain > 0.0 or n.residual_strain > 0.0 or n.volume_time > 0.0):
@@ -64,7 +67,7 @@ class VelocityDivergence(Source):
 
     name, source = "divergence", "Z14 Eq 17"
 
-    def target(self, flow: "Flow", dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> Floats:
         return flow.density / dt * flow.rows.div
 
 
@@ -73,7 +76,7 @@ class DensityInvariance(Source):
 
     name, source, fields = "density", "Z14 Eq 18", ("alpha",)
 
-    def target(self, flow: "Flow", dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> Floats:
         return -flow.density / dt**2 * compression(flow, flow.particles.alpha)
 
 
@@ -86,11 +89,12 @@ class ErrorCompensating(Source):
 
     name, source, fields = "compensating", "Khayyer and Gotoh 2011", ("alpha",)
 
-    def target(self, flow: "Flow", dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
         e, before = compression(flow, p.alpha), np.empty(p.n_owned)
         flow.rows.divergence(before, p.u_all)
-        return flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
+        found: Floats = flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
+        return found
 
 
 for part in (Mixed(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):

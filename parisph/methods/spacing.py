@@ -2,9 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from parisph.case.numerics import Numerics
+from parisph.base.arrays import Floats
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import even_spacing, shifting
 from parisph.methods import lengths, straining
 from parisph.methods.further_shifts import Shift
@@ -21,10 +20,10 @@ class EvenShift(Shift):
     name, words, carries = "shift_even", "even distances", True
     reach, fields = lengths.WALL, ("acceleration",)
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return (*self.fields, *straining.FIELDS)
 
-    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
+    def write(self, move: Floats, flow: "Flow", dt: float) -> None:
         p = flow.particles
         across = p.acceleration - flow.step.force[:p.n_owned]
         even_spacing.even_out(move, flow.cloud, across, flow.walls.known_slopes(flow), self.strength(flow))

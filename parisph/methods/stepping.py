@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.kernels import movement
 from parisph.parallel.particles import Particles
 
@@ -61,7 +62,7 @@ class Accelerations:
     def __init__(self) -> None:
         self.times: list[float] = []
 
-    def ahead(self, particles: Particles, time: float, dt: float, wave_time: float) -> np.ndarray:
+    def ahead(self, particles: Particles, time: float, dt: float, wave_time: float) -> Floats:
         """Return by how much operators of a step of dt [s], its middle at `time` [s], are evaluated ahead: (n_owned,
         dim) [m], of any size for walls. Not collective.
 
@@ -77,7 +78,7 @@ class Accelerations:
         beyond = min(1.0, (time - last) / (last - before)) if last > before else 0.0
         return weight * (1.0 + beyond) * p.acceleration - weight * beyond * p.acceleration_before
 
-    def remember(self, particles: Particles, acceleration: np.ndarray, time: float, dt: float, usual: float) -> None:
+    def remember(self, particles: Particles, acceleration: Floats, time: float, dt: float, usual: float) -> None:
         """Keep the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s], in the middle of a step of dt [s].
 
         usual : length of a step that is not shortened to meet a time [s]. Not collective.

@@ -6,10 +6,10 @@ from collections.abc import Callable
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.arrays import sizes
+from parisph.base.arrays import Floats, sizes
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import record
 from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
@@ -85,7 +85,7 @@ def next_step(flow: Flow, gravity: float, previous: float | None = None, shortes
     return float(dt)
 
 
-def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceleration: np.ndarray, dt: float,
+def first_step(comm: MPI.Comm, particles: Particles, numerics: ResolvedNumerics, acceleration: Floats, dt: float,
                force_at: Callable[[float], float], length: float | None = None) -> float:
     """Return the first step of an adaptive run: `dt` [s], shortened. Collective.
 
@@ -120,8 +120,8 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
         dt = min(allowed, 0.5 * dt)
 
 
-def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: np.ndarray,
-                  acceleration: float = 0.0, walls: np.ndarray | None = None) -> float:
+def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: Floats, acceleration: float = 0.0,
+                  walls: Floats | None = None) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
     It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the largest one
@@ -143,29 +143,31 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
 
-def rest_step(numerics: Numerics) -> float:
+def rest_step(numerics: ResolvedNumerics) -> float:
     """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
     return float(_fall(longest_move(numerics), REST))
 
 
-def longest_move(numerics: Numerics) -> float:
+def longest_move(numerics: ResolvedNumerics) -> float:
     """Return how far the fastest particle may move in an adaptive step [m]."""
     return numerics.cfl * numerics.spacing
 
 
-def _fall(move, gravity):
+def _fall(move: float, gravity: float) -> float:
     """Return the time [s] of a fall from rest over `move` [m]; infinite without a force."""
     return np.sqrt(2.0 * move / gravity) if gravity > 0.0 else np.inf
 
 
-def _accurate(numerics, acceleration, length):
+def _accurate(numerics: ResolvedNumerics, acceleration: float, length: float | None) -> float:
     """Return the longest step [s] of which the scheme's error in time is small; infinite without acceleration."""
     if not (numerics.fall and acceleration > 0.0):
         return np.inf
-    return numerics.fall * np.sqrt((length or numerics.spacing) / acceleration)
+    found: float = numerics.fall * np.sqrt((length or numerics.spacing) / acceleration)
+    return found
 
 
-def _of_waves(numerics, gravity, strain_rate=0.0, fastest=0.0, wave_time=np.inf):
+def _of_waves(numerics: ResolvedNumerics, gravity: float, strain_rate: float = 0.0, fastest: float = 0.0,
+              wave_time: float = np.inf) -> float:
     """Return the longest step [s] of waves; infinite without `wave_step`."""
     if not numerics.wave_step:
         return np.inf
@@ -179,11 +181,11 @@ def _of_waves(numerics, gravity, strain_rate=0.0, fastest=0.0, wave_time=np.inf)
     return min(by_gravity, max(WAVE_STRAIN / strain_rate, least))
 
 
-def _fastest(particles):
+def _fastest(particles: Particles) -> float:
     return record.fluid_sizes(particles.u, particles.kind)[0]
 
 
-def _largest_of_all(comm, speed, force):
+def _largest_of_all(comm: MPI.Comm, speed: float, force: float) -> Floats:
     """Return the largest speed and force on all ranks, and whether any was not a number. Collective."""
     worst = np.array([speed, force, math.isnan(speed)], float)
     worst[np.isnan(worst)] = 0.0

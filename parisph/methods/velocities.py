@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.case.numerics import Numerics
+from parisph.base.arrays import Floats
+from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import collisions, films, movement
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
@@ -20,13 +21,13 @@ class Filter(Regulariser):
     reads = ("filter", "filter_strain")
     needs_fit = True
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.filter > 0.0
 
-    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+    def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         return straining.FIELDS if numerics.filter_strain else ()
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         n = flow.numerics
         return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * straining.beyond_fit(flow)
 
@@ -36,10 +37,10 @@ class Film(Regulariser):
 
     name, cause, words, strain, reach = "film", "film", "films of one layer", False, lengths.MLS
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.surface_rule != "none"    # a full tank has no film
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
         change = np.empty_like(p.u)
         films.settle(change, flow.cloud, p.u_all, flow.step.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
@@ -52,7 +53,7 @@ class Collisions(Regulariser):
     name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
     reads = ("collision_distance", "restitution")
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.collision_distance > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
@@ -60,7 +61,7 @@ class Collisions(Regulariser):
         collisions.count_collisions(p.pairs, flow.close_pairs(distance), p.u_all, distance * flow.spacing)
         flow.stale.add("pairs")
 
-    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> Floats:
         p, n = flow.particles, flow.numerics
         change, distance = np.empty_like(p.u), n.collision_distance
         flow.step.collisions = collisions.pair_collisions(change, flow.close_pairs(distance), p.pairs_all, p.u_all,
@@ -69,11 +70,15 @@ class Collisions(Regulariser):
 
 
 class WallGuard(Limiter):
-    """Stops particles before they pass a wall."""
+    """Stops particles before they pass a wall.
+
+    A particle inside a wall sees its neighbours on the wrong side, which gives an unbounded pressure. With a distance
+    of .5 spacings in place of .25, a tongue would hit a wall late.
+    """
 
     name, cause, words = "wall_guard", "guard", "wall guard"
 
-    def wanted(self, numerics: Numerics) -> bool:
+    def wanted(self, numerics: ResolvedNumerics) -> bool:
         return numerics.wall_guard > 0.0
 
     def apply(self, flow: "Flow", dt: float) -> None:
@@ -81,7 +86,7 @@ class WallGuard(Limiter):
         flow.stale.add("u")
 
 
-def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
+def keep_in_tank(flow: "Flow", u: Floats, dt: float) -> Floats:
     """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
 
     Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is

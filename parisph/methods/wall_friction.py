@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.methods import lengths
 from parisph.methods.parts import FORCES, Force
 
@@ -18,14 +19,15 @@ class WallFriction(Force):
     words, cause, reach = "friction", "friction", lengths.WALL
     fields = ("no_slip", "wall_u", "friction")
 
-    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+    def add(self, out: Floats, flow: "Flow", time: float) -> None:
         p = flow.particles
+        assert flow.friction is not None    # the scene has it
         p.friction[:] = 0.0
         flow.walls.rub(p.friction, flow, flow.friction)
         flow.domain.update("friction")
         out += p.friction_all
 
-    def work(self, flow: "Flow", start: np.ndarray) -> float:
+    def work(self, flow: "Flow", start: Floats) -> float:
         p = flow.particles
         power = np.einsum("ia,ia->i", p.friction, 0.5 * (start + p.u))
         return flow.density * flow.step.dt * float(p.volume @ power)

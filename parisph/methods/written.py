@@ -1,6 +1,6 @@
 """Fields that no step needs: they are computed when they are written, for a scene that asks for them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -29,7 +29,7 @@ def check(names: Iterable[str], dim: int) -> None:
         raise CaseError(f"output.fields: 'vorticity' exists in 2D only, and this scene has {dim} dimensions")
 
 
-def _vorticity(flow, time):
+def _vorticity(flow: "Flow", time: float) -> None:
     """That of the velocity gradient by least squares (kernels.strain): exact for a linear velocity."""
     p = flow.particles
     gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
@@ -40,7 +40,7 @@ def _vorticity(flow, time):
 
 
 @contextmanager
-def _walls_along(flow, time):
+def _walls_along(flow: "Flow", time: float) -> Iterator[None]:
     """Let walls have the velocity of the flow along them at a time [s], within this context. Collective.
 
     Those of the step have that of its start. Beside them an irrotational wave had a vorticity of the acceleration times

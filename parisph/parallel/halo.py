@@ -124,7 +124,7 @@ def compile_for_ranks() -> None:
 
 
 @kernel
-def _take(root, place, values, which):
+def _take(root: Floats, place: int, values: Array, which: Ints) -> None:
     """Copy some rows of values to the columns of root from `place` on."""
     for k in range(len(which)):
         for column in range(values.shape[1]):
@@ -132,7 +132,7 @@ def _take(root, place, values, which):
 
 
 @kernel
-def _put(values, leaf, place):
+def _put(values: Array, leaf: Floats, place: int) -> None:
     """Copy the columns of leaf from `place` on to the last rows of values."""
     first = len(values) - len(leaf)
     for k in range(len(leaf)):
@@ -174,7 +174,7 @@ def senders(x: Floats, cells: Ints, partition: Partition, width: float,
 
 
 @kernel
-def _senders(x, cells, splitters, width, rank, grid):
+def _senders(x: Floats, cells: Ints, splitters: Ints, width: float, rank: int, grid: Grid) -> Ints:
     n, dim = x.shape
     pairs = np.empty((n // 8 + 64, 2), np.int64)
     found = 0
@@ -205,7 +205,7 @@ def _senders(x, cells, splitters, width, rank, grid):
 
 
 @subkernel
-def _foreign_around(offsets, owners, cell, splitters, rank, grid):
+def _foreign_around(offsets: Ints, owners: Ints, cell: Ints, splitters: Ints, rank: int, grid: Grid) -> int:
     """List the cells around `cell` that other ranks own; return their number."""
     dim = len(cell)
     there = np.empty(dim, np.int64)
@@ -228,7 +228,7 @@ def _foreign_around(offsets, owners, cell, splitters, rank, grid):
 
 
 @subkernel
-def _is_near(point, cell, offset, width, grid):
+def _is_near(point: Floats, cell: Ints, offset: Ints, width: float, grid: Grid) -> bool:
     """Return whether a point is within `width` of the cell at `offset` from its own cell."""
     d2 = 0.0
     for a in range(len(point)):
@@ -240,7 +240,7 @@ def _is_near(point, cell, offset, width, grid):
 
 
 @subkernel
-def _told(pairs, found, i, owner):
+def _told(pairs: Ints, found: int, i: int, owner: int) -> bool:
     """Return whether the pair of this owner and this particle has just been listed."""
     k = found - 1
     while k >= 0 and pairs[k, 1] == i:

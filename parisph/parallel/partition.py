@@ -75,7 +75,7 @@ def cell_along(x: float, origin: float, size: float, count: float) -> int:
 
 
 @kernel
-def _position_keys(keys, x, grid):
+def _position_keys(keys: Ints, x: Floats, grid: Grid) -> None:
     dim, size, bits = len(grid.origin), grid.size / 2.0**grid.fine, grid.bits + grid.fine
     count = 2.0**bits
     cell = np.empty(dim, np.int64)

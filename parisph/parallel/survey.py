@@ -57,7 +57,8 @@ def survey(particles: Particles, plan_x: Floats | None, list_x: Floats | None,
 
 
 @kernel
-def _survey(found, x, plan_x, list_x, grid, walls):
+def _survey(found: Floats, x: Floats, plan_x: Floats, list_x: Floats, grid: tuple[Floats, Floats],
+            walls: tuple[Floats, Floats]) -> float:
     squares, (lower, upper) = 0.0, walls
     for i in range(len(x)):
         plan = last = 0.0

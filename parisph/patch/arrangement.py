@@ -18,8 +18,6 @@ from parisph.base.fields import CONTACT, FLUID, INNER, SURFACE, WALL, WET
 class Arrangement:
     """Particles and their lattice.
 
-    Attributes
-    ----------
     x, normal : (n, dim) [m]; kind, corner, role : (n,) int8
     index : (n, dim) int, place on the lattice; cells : (dim,) int, of the square
     inside : (n,) bool, those of the square itself, without walls and without those around it

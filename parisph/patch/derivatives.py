@@ -10,7 +10,7 @@ from mpi4py import MPI
 from parisph.base.arrays import Array, Floats
 from parisph.base.fields import BALLISTIC, FLUID, FieldSet
 from parisph.base.log import Timers
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import Numerics, ResolvedNumerics
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.records import Cloud, cloud_of
 from parisph.methods import catalogue, lengths  # noqa: F401 (parts register)
@@ -96,7 +96,7 @@ def gradient(arrangement: Arrangement, f: Floats, name: str, at_surface: str = "
     return found
 
 
-def _flow(a: Arrangement, parts: Iterable[Any], numerics: Numerics) -> Flow:
+def _flow(a: Arrangement, parts: Iterable[Any], numerics: ResolvedNumerics) -> Flow:
     """Return the Flow of particles at rest, on this rank alone."""
     names = [name for part in parts for name in part.needs(numerics)]
     particles = Particles(MPI.COMM_SELF, a.dim, FieldSet((*Boundary.fields, *names)))

@@ -17,9 +17,7 @@ def solution(system: Discrete, f: Floats, laplacian: Floats, gradient: Floats | 
     system : rows of inner particles and walls; f, laplacian : (n,); gradient : (n, dim), needed if there are wet walls.
     Where no particle has a known value, p is given up to a constant, and its mean is 0.
 
-    Raises
-    ------
-    SolverDiverged : the equations could not be solved
+    Raises SolverDiverged: the equations could not be solved
     """
     a = system.arrangement
     n, known = len(a.x), a.role == SURFACE

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.case.model import Model
@@ -57,7 +58,7 @@ def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure"
     bands = _bands(probe.truth)
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
-    what = probe.quantity or curves.UNITS.get(unit, probe.kind.replace("_", " "))
+    what = probe.quantity or curves.UNITS.get(unit, str(getattr(probe, "kind")).replace("_", " "))
     axes.set_ylabel(f"{what} [{style.written(shown) or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)
@@ -116,7 +117,7 @@ def _bands(truth: Model | None) -> list[PeakBand]:
     return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands_of(truth)}.values())
 
 
-def _over_the_run(time: np.ndarray, values: np.ndarray, run: np.ndarray) -> curves.Samples:
+def _over_the_run(time: Floats, values: Floats, run: Floats) -> curves.Samples:
     """Return a reference (n,); at the ends of the run if it has fewer than two samples inside, as a constant."""
     if np.count_nonzero((time >= run[0]) & (time <= run[-1])) > 1:
         return time, values

@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.case import differences
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
+Samples = tuple[Floats, Floats]    # times [s] and values, (n,) each
 
 # Labels by the unit, for kinds of probes without a label (case.probes.Probe.quantity).
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
@@ -43,8 +45,6 @@ MARKS = 60      # samples of a reference, beyond which it is a line
 class Curve:
     """One line of a picture: a column of a probe of a run.
 
-    Attributes
-    ----------
     run : Run; label : name of the run if there are several
     probe, column : names; column is "" if the probe has only one
     time, values : (n,) arrays [s], [the unit of the panel]
@@ -54,8 +54,8 @@ class Curve:
     label: str
     probe: str
     column: str
-    time: np.ndarray
-    values: np.ndarray
+    time: Floats
+    values: Floats
 
 
 def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[str] | str | None = None,
@@ -65,23 +65,21 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
 
     Several runs are drawn over each other, with labels of what differs between their cases (run_labels).
 
-    Parameters
-    ----------
     runs : Run, or the folder of one, or a list of these
     names : of probes, or one name; all if None
     path : file to write (.png, .pdf, ...), or None
     truth : {probe: (time [s], value)} in the probe's unit, drawn in black
     normalise : divide time by sqrt(H/g), pressures by rho g H and lengths by H of each run
 
-    Raises
-    ------
+    Raises:
     CaseError : no such probe in one of the runs, or nothing to normalise by
     StoreError : nothing to draw
     """
-    runs = [run if isinstance(run, Run) else open_run(run) for run in (runs if isinstance(runs, list) else [runs])]
-    panels = list(by_quantity(runs, [names] if isinstance(names, str) else names).items())
+    given = [runs] if isinstance(runs, (Run, str, PathLike)) else runs
+    several = [run if isinstance(run, Run) else open_run(run) for run in given]
+    panels = list(by_quantity(several, [names] if isinstance(names, str) else names).items())
     if not panels:
-        raise StoreError(f"{', '.join(str(run.folder) for run in runs)} {'has' if len(runs) == 1 else 'have'} no "
+        raise StoreError(f"{', '.join(str(run.folder) for run in several)} {'has' if len(several) == 1 else 'have'} no "
                          "probes to draw")
     columns = 1 if len(panels) <= TALL else 2
     rows = -(-len(panels) // columns)
@@ -90,14 +88,15 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
         axes = picture.add_subplot(rows, columns, number + 1)
         draw_curves(axes, curves, unit, normalise, truth or {})
         if number < columns:
-            second_time_axis(axes, runs, normalise)
-        if len(runs) == 1:
-            show_steps(axes, runs[0], own_scales(runs[0], True).time if normalise else 1.0)
+            second_time_axis(axes, several, normalise)
+        if len(several) == 1:
+            show_steps(axes, several[0], time_unit(own_scales(several[0], normalise), normalise))
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
-    title = [style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))),
+    labels = run_labels(several) if len(several) > 1 else [""]
+    title = [style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in several))),
              *(f"{label}{label and ': '}{style.literal(text, 95)}"
-               for label, text in zip(run_labels(runs) if len(runs) > 1 else [""], map(states.state, runs)) if text)]
+               for label, text in zip(labels, map(states.state, several)) if text)]
     picture.suptitle("\n".join(title[:1 + STATES]), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return picture
@@ -150,7 +149,7 @@ def truths(run: Run, folder: Path) -> dict[str, Samples]:
 
 def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict[tuple[str, str], list[Curve]]:
     """Return {(quantity, unit): [Curve]} of probes of runs, one entry for each set of axes. names : all if None"""
-    groups = {}
+    groups: dict[tuple[str, str], list[Curve]] = {}
     for run, label in zip(runs, run_labels(runs)):
         kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
         for name in (run.probe_names if names is None else names):
@@ -206,33 +205,31 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     scales = [own_scales(curve.run, normalise) for curve in curves]
     by = [{"Pa": own.pressure, "m": own.length, "m/s": own.speed}.get(unit) if normalise else None for own in scales]
     largest = max((np.nanmax(np.abs(curve.values), initial=0.0) for curve in curves), default=0.0)
-    factor, shown = (None, "") if by[0] else style.with_prefix(largest, unit)
+    factor, shown = (1.0, "") if by[0] else style.with_prefix(largest, unit)
+    times, factors = [time_unit(own, normalise) for own in scales], [1.0 / scale if scale else factor for scale in by]
     series = list(dict.fromkeys((curve.probe, curve.column) for curve in curves))
     runs = list(dict.fromkeys(curve.label for curve in curves))
     looks = style.line_looks(len(runs), len(series))
     drawn: list["Line2D"] = []
-    for curve, own, scale in zip(curves, scales, by):
+    for curve, second, factor in zip(curves, times, factors):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
         if curve.column.endswith("_dynamic"):    # it may lie on the line of the whole
             look = {**look, "linestyle": style.STYLES[3 if any(one["linestyle"] != "-" for one in looks) else 1]}
-        drawn += axes.plot(curve.time / (own.time if normalise else 1.0),
-                           curve.values * (1.0 / scale if scale else factor),
-                           linewidth=1.1, label=_line_label(curve, series), **look)
-        draw_short_peak(axes, curve, look["color"], 1.0 / (own.time if normalise else 1.0),
-                        1.0 / scale if scale else factor)
+        drawn += axes.plot(curve.time / second, factor * curve.values, linewidth=1.1, label=_line_label(curve, series),
+                           **look)
+        draw_short_peak(axes, curve, look["color"], 1.0 / second, factor)
     known = len(axes.lines)
     for name in dict.fromkeys(curve.probe for curve in curves):
-        if name in (truth or {}):
+        if truth and name in truth:
             first = next(k for k, curve in enumerate(curves) if curve.probe == name)
-            _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor,
-                        scales[first].time if normalise else 1.0)
+            _draw_truth(axes, curves[first], truth[name], factors[first], times[first])
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     plain_axes(axes)
     _leave_out_failures(axes, curves, drawn, axes.lines[known:])
     named = _named(axes)
     if len(named) > MOST:
-        first, last = (named[k].get_label() for k in (0, -1))
-        axes.set_title(f"{len(named)} lines, from {first} to {last}", loc="right", fontsize=8)
+        axes.set_title(f"{len(named)} lines, from {named[0].get_label()} to {named[-1].get_label()}", loc="right",
+                       fontsize=8)
     elif len(named) <= BESIDE:
         _legend_inside(axes)
     else:
@@ -240,7 +237,8 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
                     ncols=_legend_columns(axes))
 
 
-def _leave_out_failures(axes, curves, drawn, references):
+def _leave_out_failures(axes: "Axes", curves: Sequence[Curve], drawn: Sequence["Line2D"],
+                        references: Sequence["Line2D"]) -> None:
     """Limit the axes to the flow before a failure: the last samples may be a hundred times as large.
 
     drawn, references : lines of the curves and of references; marks of short peaks do not count
@@ -248,7 +246,7 @@ def _leave_out_failures(axes, curves, drawn, references):
     bad = {curve.run.folder for curve in curves if states.failed(curve.run)}
     if not bad:
         return
-    fits = [line.get_ydata() for line in (*drawn, *references)]
+    fits = [np.asarray(line.get_ydata()) for line in (*drawn, *references)]
     for k, curve in enumerate(curves):
         if curve.run.folder in bad:
             fits[k] = fits[k][:states.before_failure(len(fits[k]))]
@@ -261,12 +259,12 @@ def _leave_out_failures(axes, curves, drawn, references):
         axes.set_title("the last values lie outside", loc="right", fontsize=8)
 
 
-def _named(axes):
+def _named(axes: "Axes") -> list["Line2D"]:
     """Return the lines in the legend; of several short peaks only the first."""
     return [line for line in axes.lines if not str(line.get_label()).startswith("_")]
 
 
-def _legend_inside(axes):
+def _legend_inside(axes: "Axes") -> None:
     """Add a legend of few lines: a row above the curves, for which the axes get room, if it is not too long."""
     count = len(_named(axes))
     if count == 1 or sum(LETTER * len(str(line.get_label())) + 0.5 for line in _named(axes)) > ROW:
@@ -277,12 +275,12 @@ def _legend_inside(axes):
     axes.legend(loc="upper center", ncols=count, fontsize=8, framealpha=0.8, borderaxespad=0.2, columnspacing=1.2)
 
 
-def _legend_columns(axes):
+def _legend_columns(axes: "Axes") -> int:
     count = len(_named(axes))
     return -(-count // HIGH) if BESIDE < count <= MOST else 0
 
 
-def _further_columns(axes):
+def _further_columns(axes: "Axes") -> float:
     """Return the further width [inch] of the picture for a legend beside the axes; an inch is there already."""
     longest = max((len(str(line.get_label())) for line in _named(axes)), default=0)
     return max(_legend_columns(axes) * (LETTER * longest + 0.7) - 1.0, 0.0)
@@ -296,6 +294,11 @@ def own_scales(run: Run, normalise: bool) -> style.SceneUnits:
     return own
 
 
+def time_unit(own: style.SceneUnits, normalise: bool) -> float:
+    """Return the unit of an axis of time [s]."""
+    return own.time if normalise and own.time is not None else 1.0
+
+
 def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
     """Label the axis of time, in the lowest panels only."""
     if last:
@@ -304,7 +307,7 @@ def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
         axes.tick_params(labelbottom=False)
 
 
-def _line_label(curve, series):
+def _line_label(curve: Curve, series: Sequence[tuple[str, str]]) -> str:
     """Return the label of a line: its run, probe and column, each only if there are several."""
     probes = {probe for probe, _ in series}
     if curve.label and len(series) == 1:
@@ -313,17 +316,17 @@ def _line_label(curve, series):
     return f"{curve.label}, {what}" if curve.label else what
 
 
-def _draw_truth(axes, curve, series, factor, by_time):
+def _draw_truth(axes: "Axes", curve: Curve, series: Samples, factor: float, by_time: float) -> None:
     """Draw a reference within the time of the run."""
     time, values = (np.asarray(part, dtype=float) for part in series)
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
-              label=f"{curve.probe}: reference", **marks(np.sum(inside)))
+              label=f"{curve.probe}: reference", **marks(np.count_nonzero(inside)))
 
 
-def _peak_of(curve):
+def _peak_of(curve: Curve) -> str:
     """Return the name of a curve in the `peaks` of a summary: "load.fx", in an array "row.load.fx"."""
-    about = next((one for one in curve.run.case.get("probes", ()) if one["name"] == curve.probe), {})
+    about: Mapping[str, Any] = next((one for one in curve.run.case.get("probes", ()) if one["name"] == curve.probe), {})
     members = [one["name"] for one in about.get("probes", ()) if f"{curve.column}_".startswith(f"{one['name']}_")]
     member = max(members, key=len, default="")
     column = curve.column.removeprefix(member).removeprefix("_")
@@ -358,7 +361,8 @@ def marks(samples: int) -> style.LineLook:
     return few if samples < MARKS else {"linestyle": "--"}
 
 
-def _value_label(curves, series, unit, shown, scaled):
+def _value_label(curves: Sequence[Curve], series: Sequence[tuple[str, str]], unit: str, shown: str,
+                 scaled: bool) -> str:
     kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ())
              if probe["name"] == curve.probe}
     what = UNITS.get(unit, "")

@@ -1,6 +1,6 @@
 """Names in a picture that do not lie over each other and, if there is room, not over lines."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from parisph.pictures import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.text import Text
 
 SIZE = 7.5    # [points] of the letters
 APART = 3.0    # [points] of a name from what it names
@@ -57,7 +58,8 @@ def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dot
     axes.add_artist(placer)
 
 
-def _place(axes, labels, texts, left_out, lines, dots, renderer):
+def _place(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], left_out: "Text", lines: Sequence[Floats],
+           dots: Floats | None, renderer: Any) -> None:
     """Place all names; if some have no room, once more beside a text that says how many are left out."""
     pixels = renderer.points_to_pixels(1.0)
     box = axes.get_window_extent(renderer)
@@ -74,7 +76,8 @@ def _place(axes, labels, texts, left_out, lines, dots, renderer):
         left_out.set_text(f"and {missing} more name{'s' * (missing != 1)}")
 
 
-def _put(axes, labels, texts, inside, along, taken, pixels, renderer):
+def _put(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], inside: Floats, along: Floats,
+         taken: list[Floats], pixels: float, renderer: Any) -> int:
     """Put each name at the place without overlap that crosses the fewest lines; return how many have no place."""
     missing = 0
     for label, text in zip(labels, texts):
@@ -103,7 +106,8 @@ def _put(axes, labels, texts, inside, along, taken, pixels, renderer):
     return missing
 
 
-def _candidates(places, line, width, height, apart, inside):
+def _candidates(places: Floats, line: bool, width: float, height: float, apart: float,
+                inside: Floats) -> Iterator[tuple[tuple[float, float], bool]]:
     """Yield (lower left corner [pixels], whether it is turned upright) of possible places of a name."""
     if line:
         x, top = places[-1, 0], min(places[-1, 1], inside[3])
@@ -122,7 +126,7 @@ def _candidates(places, line, width, height, apart, inside):
                 yield (x + across, y + up), False
 
 
-def _sampled(lines):
+def _sampled(lines: Sequence[Floats]) -> Floats:
     """Return points (n, 2) along lines, STEP pixels apart."""
     found = [np.empty((0, 2))]
     for line in lines:
@@ -133,9 +137,9 @@ def _sampled(lines):
     return np.concatenate(found)
 
 
-def _around(x, size):
+def _around(x: Floats, size: float) -> Floats:
     return np.array([x[0] - size, x[1] - size, x[0] + size, x[1] + size])
 
 
-def _overlap(a, b):
+def _overlap(a: Floats, b: Floats) -> bool:
     return bool(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3])

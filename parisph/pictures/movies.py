@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import CalledProcessError
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.live_line import LiveLine, clock
 from parisph.base.paths import AnyPath
@@ -15,6 +16,9 @@ from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 from parisph.pictures.view import FieldView, Look
+
+if TYPE_CHECKING:
+    from matplotlib.animation import AbstractMovieWriter
 
 RATE = 20.0             # frames a second by default
 SLOWEST, FASTEST = 1.0, 60.0   # frames a second that players show well
@@ -29,8 +33,6 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
 
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
-    Parameters
-    ----------
     run : Run, or the folder of one
     path : file to write
     field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
@@ -39,12 +41,10 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
 
-    Raises
-    ------
+    Raises:
     CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
-    look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
     figure, path = style.drawing(), Path(path)
     _check_ending(path)
@@ -52,7 +52,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
         raise StoreError(f"{run.folder} has no snapshots")
     pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
     some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
-    view = FieldView(run.case, some, look)
+    view = FieldView(run.case, some, Look(field, **look))
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
     axes = picture.add_subplot()
@@ -68,7 +68,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
                     picture.set_layout_engine("none")
                 writer.grab_frame()
                 if line.due():
-                    line.show(_done(count + 1, len(pace.numbers), line.elapsed))
+                    made, frames = count + 1, len(pace.numbers)
+                    line.show(f"frame {made} of {frames}  {clock((frames - made) * line.elapsed / made)} left")
     except OSError as error:
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     except CalledProcessError as error:
@@ -88,16 +89,10 @@ def has_ffmpeg() -> bool:
     return bool(animation.FFMpegWriter.isAvailable())
 
 
-def _done(count: int, frames: int, elapsed: float) -> str:
-    return f"frame {count} of {frames}  {clock((frames - count) * elapsed / count)} left"
-
-
 @dataclass(frozen=True)
 class Pace:
     """The speed of an animation.
 
-    Attributes
-    ----------
     fps : frames per second
     slow : how many times slower than in nature; None for a single frame
     numbers : (frames,) int, the snapshot in each frame, which is the nearest in time
@@ -105,10 +100,10 @@ class Pace:
 
     fps: float
     slow: float | None
-    numbers: np.ndarray
+    numbers: Ints
 
     @classmethod
-    def of(cls, times: np.ndarray, fps: float | None = None, slow: float | None = None,
+    def of(cls, times: Floats, fps: float | None = None, slow: float | None = None,
            whole_hundredths: bool = False) -> "Pace":
         """Return the Pace for snapshots at `times` (n,) [s], increasing.
 
@@ -144,13 +139,13 @@ class Pace:
         return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
 
 
-def _check_positive(name, value, most):
+def _check_positive(name: str, value: float | None, most: float) -> None:
     if value is not None and not 0.0 < value <= most or value == np.inf:
         limit = f" and at most {most:g}" if most < np.inf else ""
         raise CaseError(f"{name} {value:g}: must be a number greater than 0{limit}")
 
 
-def _check_ending(path):
+def _check_ending(path: Path) -> None:
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise CaseError(f"{path}: a movie ends in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not has_ffmpeg():
@@ -158,10 +153,11 @@ def _check_ending(path):
                          f"example by `apt install ffmpeg`, or write {path.with_suffix('.gif')}")
 
 
-def _writer(path, fps):
+def _writer(path: Path, fps: float) -> "AbstractMovieWriter":
     from matplotlib import animation
 
+    rate: Any = fps    # matplotlib declares whole numbers, and takes all
     if path.suffix.lower() == ".gif":
         # the writer truncates the milliseconds of a frame: 29.999... would become 20
-        return animation.PillowWriter(fps=fps * (1.0 - 1e-9))
-    return animation.FFMpegWriter(fps=fps, extra_args=["-pix_fmt", "yuv420p"])
+        return animation.PillowWriter(rate * (1.0 - 1e-9))
+    return animation.FFMpegWriter(rate, extra_args=["-pix_fmt", "yuv420p"])

@@ -1,7 +1,7 @@
 """The pictures that `parisph plot` and `parisph movie` make of runs, and their files. Needs no MPI."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +25,6 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
 
     For one run without time, peak, field and probes: the whole run on one page.
 
-    Parameters
-    ----------
     runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot, with a warning on standard error for a time outside the run; the last
         snapshot if only `field` is given
@@ -36,8 +34,7 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
     out : file to write; None: files in the folder of the (first) run, named after what they show
     normalise, look : see view.Look; None for a default
 
-    Raises
-    ------
+    Raises:
     CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
     quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be written
     """
@@ -107,12 +104,12 @@ def peak_of(run: Run, probe: str) -> tuple[float, float]:
     return float(line["time"]), float(line[column])
 
 
-def _check_probes_only(other):
+def _check_probes_only(other: object) -> None:
     if other:
         raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
 
 
-def _plot_probes(runs, probes, normalise, out):
+def _plot_probes(runs: Sequence[Run], probes: Sequence[str] | None, normalise: bool, out: AnyPath | None) -> Path:
     if out is None:
         names = ["probes", *(probes or []),
                  *(curves.folder_names([run.folder for run in runs]) if len(runs) > 1 else [])]
@@ -125,21 +122,21 @@ def _plot_probes(runs, probes, normalise, out):
     return Path(out)
 
 
-def _plot_flow(run, time, peak, out, look):
-    which = -1
+def _plot_flow(run: Run, time: float | None, peak: str | None, out: AnyPath | None, look: dict[str, Any]) -> Path:
+    which: float | Mapping[str, Any] = -1
     if peak is not None:
         which = _at_peak(run, peak)
     elif time is not None:
         _warn_of_other_time(run, time)
         which = float(time)
     if out is None:
-        shown = which["time"] if isinstance(which, dict) else run.times[run.number(which)]
+        shown = which["time"] if isinstance(which, Mapping) else run.times[run.number(which)]
         out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s.png"
     view.plot_field(run, which, path=out, **look)
     return Path(out)
 
 
-def _at_peak(run, probe):
+def _at_peak(run: Run, probe: str) -> float | Mapping[str, Any]:
     """Return the flow that the run has kept at a peak (dict); else the time [s] of the peak, with a note."""
     time, value = peak_of(run, probe)
     kept = run.peak(probe)
@@ -156,8 +153,8 @@ def _at_peak(run, probe):
     return time
 
 
-def _why_not_kept(run, probe, kept):
-    about = next((one for one in run.case.get("probes", ()) if one["name"] == probe), {})
+def _why_not_kept(run: Run, probe: str, kept: Mapping[str, Any] | None) -> str:
+    about: Mapping[str, Any] = next((one for one in run.case.get("probes", ()) if one["name"] == probe), {})
     if kept is not None and about.get("truth"):
         return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time of its truth"
     if kept is not None:
@@ -167,7 +164,7 @@ def _why_not_kept(run, probe, kept):
     return "a probe with peak=True keeps the flow at its peak"
 
 
-def _warn_of_other_time(run, time):
+def _warn_of_other_time(run: Run, time: float) -> None:
     """Warn on standard error of a time [s] outside the run, and name that of the picture."""
     if len(run) == 0:
         return
@@ -177,7 +174,7 @@ def _warn_of_other_time(run, time):
               f"{run.times[-1]:g} s: the picture is of {run.times[run.number(float(time))]:g} s", file=sys.stderr)
 
 
-def _truths(run):
+def _truths(run: Run) -> dict[str, curves.Samples]:
     """Return the references of the probes; none, with a note, if their files are not on this machine."""
     try:
         return curves.truths(run, Path())

@@ -1,9 +1,11 @@
 """A whole run on one page: four moments of the flow, the probes, and the solver. Needs matplotlib, no MPI."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.errors import StoreError
 from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
@@ -11,7 +13,8 @@ from parisph.pictures import curves, states, style
 from parisph.pictures.view import FieldView, Look
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, FigureBase, SubFigure
 
 
 def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = "pressure", **look: Any) -> "Figure":
@@ -19,13 +22,12 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
 
     Parameters and errors as of view.plot_field and curves.plot_probe. The colours cover most values of all moments.
     """
-    look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
     if len(run) == 0:
         raise StoreError(f"{run.folder} has no snapshots")
     moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 4).round())]
     panels = [(unit, lines) for (_, unit), lines in curves.by_quantity([run]).items()]
-    view = FieldView(run.case, moments, look)
+    view = FieldView(run.case, moments, Look(field, **look))
     columns = min(2, len(moments))
     heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(panels) // 2 + 1)
     picture = style.new_figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
@@ -71,18 +73,19 @@ def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
     return picture
 
 
-def _height(view, width):
+def _height(view: FieldView, width: float) -> float:
     (left, right), (low, high) = view.window
     return min(0.8 * width * view.stretch * (high - low) / (right - left) + 0.7, 6.0)
 
 
-def _say_state(picture, run):
+def _say_state(picture: "SubFigure", run: Run) -> None:
     state = states.state(run)
     if state:
         picture.suptitle(style.literal(state, states.LONGEST), fontsize=9, color=style.LINES[1])
 
 
-def _draw_moments(flow, view, moments, columns, marked=False):
+def _draw_moments(flow: "FigureBase", view: FieldView, moments: Sequence[Mapping[str, Any]], columns: int,
+                  marked: bool = False) -> None:
     """Draw moments. marked : whether with zones and the still level, and with probes in the first one"""
     limits = view.limits(moments)
     grid = flow.subplots(-(-len(moments) // columns), columns, squeeze=False, sharex=True, sharey=True)
@@ -97,7 +100,7 @@ def _draw_moments(flow, view, moments, columns, marked=False):
     view.add_colour_bar(flow, list(grid.flat[:len(moments)]), discs[-1], moments)
 
 
-def _draw_series(series, run, panels):
+def _draw_series(series: "SubFigure", run: Run, panels: Sequence[tuple[str, list[curves.Curve]]]) -> None:
     """Draw the probes, two per row, and the solver's record in the rest of the last row."""
     grid = series.add_gridspec(len(panels) // 2 + 1, 2)
     for number, (unit, lines) in enumerate(panels):
@@ -111,15 +114,15 @@ def _draw_series(series, run, panels):
     curves.show_steps(axes, run)
 
 
-def _draw_steps(axes, steps):
+def _draw_steps(axes: "Axes", steps: Array) -> None:
     """Draw the time step and the iterations of the pressure solve; without a solve the compression."""
-    solved = "iterations" in steps.dtype.names
+    solved = "iterations" in (steps.dtype.names or ())
     axes.plot(steps["time"], steps["iterations" if solved else "compression"], ".", color=style.LINES[0], markersize=2)
     axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
                     color=style.LINES[0])
     axes.set_ylim(bottom=0)
     if solved:
-        axes.yaxis.get_major_locator().set_params(integer=True)
+        axes.locator_params(axis="y", integer=True)
     axes.set_xlabel("$t$ [s]")
     axes.grid(True, linewidth=0.4, alpha=0.5)
     other = axes.twinx()

@@ -1,5 +1,7 @@
 """The state of a run in the titles of pictures: how it has ended, or that it has not."""
 
+from typing import Any
+
 import numpy as np
 
 from parisph.base.errors import StoreError
@@ -51,7 +53,7 @@ def before_failure(samples: int) -> int:
     return samples - min(max(int(np.ceil(LAST * samples)), 3), samples // 2)
 
 
-def _summary(run: Run) -> dict | None:
+def _summary(run: Run) -> dict[str, Any] | None:
     try:
         return run.summary
     except StoreError:    # parisph info says what is wrong with it

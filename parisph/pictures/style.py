@@ -2,7 +2,7 @@
 
 import difflib
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from parisph.base import libraries
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
 from parisph.base.paths import AnyPath
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 class PlottedQuantity:
     """A quantity that pictures can show.
 
-    Attributes
-    ----------
     needs : name in the field registry
     of : function of that array (n, ...) -> (n,)
     symbol, unit : for the colour bar
@@ -42,7 +41,7 @@ class PlottedQuantity:
     """
 
     needs: str
-    of: Callable[..., np.ndarray]
+    of: Callable[..., Floats]
     symbol: str
     unit: str
     colours: str
@@ -119,8 +118,6 @@ def check_colours(name: str | None) -> None:
 class SceneUnits:
     """The units of a scene; None for those that it does not have.
 
-    Attributes
-    ----------
     length : height H of the fluid at the start [m], the depth of still water
     time : sqrt(H/g) [s]; speed : sqrt(g H) [m/s]; pressure : rho g H [Pa]
     """
@@ -150,7 +147,7 @@ def has_potential(case: Mapping[str, Any]) -> bool:
     return not turns and uniform_field(case["gravity"]) is not None
 
 
-def fluid_bounds(case: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+def fluid_bounds(case: Mapping[str, Any]) -> tuple[Floats, Floats]:
     """Return the lower and upper corner [m] of all fluid of a case (dict) at the start."""
     boxes = [_bounds(fluid["shape"], bodies_of(case)) for fluid in fluids_of(case)]
     return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
@@ -168,7 +165,7 @@ def bodies_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return list(walls) if isinstance(walls, list) else [walls] if walls else []
 
 
-def _corners(body):
+def _corners(body: Mapping[str, Any]) -> Floats:
     """Return points (n, 2) [m] around a body (dict), none for a wavemaker."""
     if "points" in body:
         return np.array(body["points"], dtype=float)
@@ -178,7 +175,7 @@ def _corners(body):
     return np.array(_bounds(box, []))
 
 
-def _bounds(shape, bodies):
+def _bounds(shape: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> tuple[Floats, Floats]:
     """Return the lower and upper corner [m] of a shape (dict), of still water from the walls (dicts) to its level."""
     if shape.get("kind") == "still_water":
         x = np.concatenate([_corners(body) for body in bodies])
@@ -240,8 +237,11 @@ def new_figure(**how: Any) -> "Figure":
 
 
 @cache
-def _shown_in_notebooks():
-    class Shown(drawing().Figure):
+def _shown_in_notebooks() -> type["Figure"]:
+    drawing()
+    from matplotlib.figure import Figure
+
+    class Shown(Figure):
         """A figure that notebooks show without pyplot."""
 
         def _repr_png_(self) -> bytes:
@@ -257,7 +257,7 @@ def written(unit: str) -> str:
     return unit.replace("^2", "²").replace("^3", "³")
 
 
-def discs(axes: "Axes", x: np.ndarray, diameter: float, **how: Any) -> "EllipseCollection":
+def discs(axes: "Axes", x: Floats, diameter: float, **how: Any) -> "EllipseCollection":
     """Draw discs at x (n, 2); x and diameter are in the units of the axes."""
     from matplotlib.collections import EllipseCollection
 

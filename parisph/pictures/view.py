@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Array, Flags, Floats
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
@@ -21,8 +22,8 @@ from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.collections import Collection
-    from matplotlib.figure import Figure
+    from matplotlib.collections import Collection, EllipseCollection
+    from matplotlib.figure import Figure, FigureBase
 
 # Diameters in spacings: of a particle, and of the ground below particles inside, which fills the gaps between discs.
 DISC, GROUND = 1.05, 1.8
@@ -33,8 +34,6 @@ ABOVE = 1.5    # order of particles: above solids, so that a particle in a wall 
 class Look:
     """The content and style of pictures of the flow.
 
-    Attributes
-    ----------
     field : "pressure", "speed", "velocity_x", "velocity_y", "vorticity", "density_ratio" or "role"
     surface : whether particles on the free surface, and ballistic ones, are marked with rings
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
@@ -43,9 +42,7 @@ class Look:
     zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
     frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
 
-    Raises
-    ------
-    CaseError : unknown quantity or colour map; limits or zoom not in order, or not possible for the field
+    Raises CaseError: unknown quantity or colour map; limits or zoom not in order, or not possible for the field
     """
 
     field: str = "pressure"
@@ -71,7 +68,7 @@ class Look:
         style.check_colours(self.colours)
 
 
-def _check_order(name, low, high):
+def _check_order(name: str, low: float, high: float) -> None:
     if not (np.isfinite([low, high]).all() and low < high):
         raise CaseError(f"{name}: {low:g} to {high:g} is not a range; give two numbers, the lower one first")
 
@@ -82,23 +79,19 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
     The colours end at the greatest value in the picture, of the fluid or of a wet wall.
 
-    Parameters
-    ----------
     run : Run, or the folder of one
     which : number of the snapshot (int, negative from the end), time [s] of the nearest one (float), or a snapshot
         (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords
     path : file to write (.png, .pdf, ...), or None
 
-    Raises
-    ------
+    Raises:
     CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
     StoreError : no such snapshot, or the quantity was not written
     """
-    look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
-    snapshot = which if isinstance(which, dict) else run.snapshot(which)
-    view = FieldView(run.case, [snapshot], look)
+    snapshot = which if isinstance(which, Mapping) else run.snapshot(which)
+    view = FieldView(run.case, [snapshot], Look(field, **look))
     picture = style.new_figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
     view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
@@ -163,7 +156,7 @@ class FieldView:
         """Draw still level, zones and probes into axes."""
         draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
-    def values(self, snapshot: Mapping[str, Any]) -> np.ndarray:
+    def values(self, snapshot: Mapping[str, Any]) -> Floats:
         """The quantity in the picture's unit, (n,)."""
         needed = self.quantity.needs
         if needed not in snapshot:
@@ -181,7 +174,8 @@ class FieldView:
         if self.quantity.needs == "role":
             return None
         if self.look.limits is not None:
-            return tuple(self.look.limits)
+            low, high = self.look.limits
+            return low, high
         values = np.sort(self._shown_values(snapshots))
         if len(values) < 3:
             return 0.0, 1.0
@@ -195,7 +189,7 @@ class FieldView:
             low = 0.0
         return (low, high) if high > low else (low, low + 1.0)
 
-    def add_colour_bar(self, picture: "Figure", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
+    def add_colour_bar(self, picture: "FigureBase", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
                        snapshots: Sequence[Mapping[str, Any]]) -> None:
         """Add the colour bar of `discs`, pointed if values of the snapshots lie beyond it; nothing for roles.
 
@@ -207,13 +201,13 @@ class FieldView:
         beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
         low, high = discs.get_clim()
         extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
-        beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, list)
+        beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, Sequence)
                   else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
         bar = picture.colorbar(discs, extend=extend, **beside)
         bar.set_label(self._label())
-        bar.outline.set_linewidth(0.5)
+        bar.ax.spines["outline"].set_linewidth(0.5)
 
-    def _shown_values(self, snapshots):
+    def _shown_values(self, snapshots: Sequence[Mapping[str, Any]]) -> Floats:
         """Return the finite values (n,) inside the window, of fluid and of walls with a pressure."""
         found = []
         (left, right), (low, high) = self.window
@@ -224,13 +218,13 @@ class FieldView:
             found.append(values[shown & inside & np.isfinite(values)])
         return np.concatenate(found)
 
-    def _factor(self):
+    def _factor(self) -> float:
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
         if self.look.normalise and scale:
-            return 1.0 / scale
+            return 1.0 / float(scale)
         return style.with_prefix(scale or 0.0, self.quantity.unit)[0]
 
-    def _label(self):
+    def _label(self) -> str:
         if self.look.normalise and self.quantity.scale:
             by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
             return rf"{self.quantity.symbol}$\,/\,{by}$"
@@ -238,7 +232,7 @@ class FieldView:
         unit = style.with_prefix(scale or 0.0, self.quantity.unit)[1]
         return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
-    def _window(self, snapshots):
+    def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
         box, spacing = self._walls_box(), self.case["numerics"]["spacing"]
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
@@ -255,7 +249,7 @@ class FieldView:
                             f"{ends[1][1]:.4g}")
         return (left, right), (bottom, top)
 
-    def _walls_shown(self, box, fluid):
+    def _walls_shown(self, box: window.Box, fluid: Sequence[Floats]) -> Floats:
         """Return the corners (4, 2) [m] around the walls, without the empty top of a tank without a lid."""
         (left, low), (right, top) = box
         high = max((x[:, 1].max() for x in fluid if len(x)), default=top)
@@ -263,23 +257,23 @@ class FieldView:
             top = min(top, low + 1.2 * (high - low))
         return np.array([(left, low), (right, low), (right, top), (left, top)])
 
-    def _walls_box(self):
+    def _walls_box(self) -> window.Box | None:
         """Return the lower and upper corner [m] of the box around all walls, None without any."""
         return None if self.scene.wall_bounds is None else domain(self.scene)
 
-    def _walls_to_fill(self, snapshot):
+    def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
         """Return the wet wall particles, which have a pressure and fill the gap to the wall of s/2."""
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
-    def _name_roles(self, axes, roles):
+    def _name_roles(self, axes: "Axes", roles: Array) -> None:
         from matplotlib.patches import Patch
 
         present = [style.ROLES[role] for role in style.ROLES if np.any(roles == role)]
         axes.legend(handles=[Patch(facecolor=colour, label=name) for name, colour in present],
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
-    def _draw_walls(self, axes, cut, time):
+    def _draw_walls(self, axes: "Axes", cut: "EllipseCollection", time: float) -> None:
         """Draw the walls as they are at a time [s]; cut the discs `cut` to what is inside a tank or above a bed."""
         from matplotlib.patches import Polygon
 
@@ -292,7 +286,7 @@ class FieldView:
         if len(around) == 1:    # other walls are filled, and hide what is in them
             cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
-    def _ring(self, axes, x, snapshot):
+    def _ring(self, axes: "Axes", x: Floats, snapshot: Mapping[str, Any]) -> None:
         from matplotlib.lines import Line2D
 
         handles = []
@@ -308,7 +302,7 @@ class FieldView:
             axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2,
                         frameon=False, fontsize=9, borderaxespad=0.2, handletextpad=0.1)
 
-    def _finish(self, axes, time, label, notes):
+    def _finish(self, axes: "Axes", time: float, label: bool, notes: Sequence[str]) -> None:
         axes.set_xlim(self.window[0])
         axes.set_ylim(self.window[1])
         axes.set_aspect(self.stretch)
@@ -324,14 +318,14 @@ class FieldView:
             _arrow(axes, down, "$g$")
 
 
-def _room(wall, time, far):
+def _room(wall: Tank | Profile, time: float, far: float) -> Floats:
     """Return points (n, 2) [m] around the inside of a tank, or the space above a bed."""
     x = wall.motion.placed(solid_of(wall).points, time)
     top = x[:, 1].max() + far
     return x if isinstance(wall, Tank) else np.concatenate([x, [(x[-1, 0], top), (x[0, 0], top)]])
 
 
-def _arrow(axes, direction, name):
+def _arrow(axes: "Axes", direction: Floats, name: str) -> None:
     """Draw an arrow in a direction (2,), with a name at its tail, in the upper right corner of the axes."""
     arrow = axes.annotate(name, xy=(0.92, 0.82), xycoords="axes fraction", xytext=tuple(-24.0 * direction),
                           textcoords="offset points", ha="center", va="center", fontsize=9, zorder=6,

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Flags, Floats
 
 FLAT = 5.5    # largest width over height of a picture: flatter windows are stretched upwards
 SLENDER = 3.0    # largest height over width of a window: narrower ones get room on both sides
@@ -32,13 +32,14 @@ def bulk(x: Floats, spacing: float) -> Box:
     return lower, upper
 
 
-def shown(x: Floats, spacing: float, walls: Box | None) -> np.ndarray:
+def shown(x: Floats, spacing: float, walls: Box | None) -> Flags:
     """Return which fluid particles a picture shows, (n,) bool: those in the bulk of the fluid or within the walls."""
-    finite = np.isfinite(x).all(axis=1)
+    finite: Flags = np.isfinite(x).all(axis=1)
     if not finite.any():
         return finite
     boxes = [bulk(x[finite], spacing), *([walls] if walls is not None else [])]
-    return finite & np.any([_inside(x, *box) for box in boxes], axis=0)
+    found: Flags = finite & np.any([_inside(x, *box) for box in boxes], axis=0)
+    return found
 
 
 def of(fluid: Iterable[Floats], walls: Sequence[Floats], length: float = 1.0) -> Ends:
@@ -71,6 +72,7 @@ def said(times: int) -> str:
     return f"vertical scale x{times}" if times > 1 else ""
 
 
-def _inside(x: Floats, lower: Floats, upper: Floats) -> np.ndarray:
+def _inside(x: Floats, lower: Floats, upper: Floats) -> Flags:
     with np.errstate(invalid="ignore"):
-        return np.all((x >= lower) & (x <= upper), axis=1)
+        found: Flags = np.all((x >= lower) & (x <= upper), axis=1)
+        return found

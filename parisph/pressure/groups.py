@@ -11,14 +11,15 @@ own row does not contain the wall particle.
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.errors import ParisphError, agree, agree_and_sum
 from parisph.kernels import graph
 
 _TAG = 72
+_Spans = list[tuple[int, slice]]    # ranks, each with a part of an array
 
 
-def isolated_rows(comm: MPI.Comm, offset: int, indptr: np.ndarray, indices: np.ndarray,
-                  anchored: np.ndarray) -> tuple[np.ndarray, int]:
+def isolated_rows(comm: MPI.Comm, offset: int, indptr: Array, indices: Array, anchored: Flags) -> tuple[Flags, int]:
     """Return which rows lead to no anchored row. Collective.
 
     Such rows lead only to each other. Fixing p in one row of each group makes the equation
@@ -58,8 +59,7 @@ def isolated_rows(comm: MPI.Comm, offset: int, indptr: np.ndarray, indices: np.n
     return ~reached, comm.allreduce(int(np.count_nonzero(~reached)))
 
 
-def highest(comm: MPI.Comm, candidates: np.ndarray, x: np.ndarray, force: np.ndarray, ids: np.ndarray,
-            rounding: float) -> np.ndarray:
+def highest(comm: MPI.Comm, candidates: Flags, x: Floats, force: Floats, ids: Array, rounding: float) -> Flags:
     """Return which candidate lies farthest against their mean body force, one of all ranks. Collective.
 
     Parameters
@@ -87,7 +87,8 @@ def highest(comm: MPI.Comm, candidates: np.ndarray, x: np.ndarray, force: np.nda
     return chosen
 
 
-def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
+def _spread_over_ranks(comm: MPI.Comm, offset: int, reached: Flags, pending: Array, indptr: Array,
+                       indices: Array) -> None:
     """Fetch marks from other ranks and spread them, until no rank marks another row."""
     rows, columns = graph.outside(pending, indptr, indices, offset, reached.size)
     remote, slot = np.unique(columns, return_inverse=True)
@@ -111,7 +112,7 @@ class _Lookup:
     and the row farthest from it, and an Alltoallv costs a message for every rank there is.
     """
 
-    def __init__(self, comm, offset, n, remote):
+    def __init__(self, comm: MPI.Comm, offset: int, n: int, remote: Ints) -> None:
         self._comm = comm
         spans = np.empty((comm.size, 2), np.int64)
         comm.Allgather(np.array([offset, n], np.int64), spans)
@@ -130,18 +131,18 @@ class _Lookup:
         self._addresses = addresses - offset
         self._marks = np.empty(remote.size, bool)
 
-    def pull(self, reached):
+    def pull(self, reached: Flags) -> Flags:
         """Return the marks of the remote rows, in their order. Collective."""
         self._swap(reached[self._addresses], self._wanted, self._marks, self._asked)
         return self._marks
 
-    def _swap(self, sent, to, received, by):
+    def _swap(self, sent: Array, to: _Spans, received: Array, by: _Spans) -> None:
         requests = [self._comm.Irecv(received[part], rank, _TAG) for rank, part in by]
         requests += [self._comm.Isend(sent[part], rank, _TAG) for rank, part in to]
         MPI.Request.Waitall(requests)
 
 
-def _parts(counts):
+def _parts(counts: Ints) -> _Spans:
     """Return (rank, slice) of each rank with entries in an array that is ordered by rank, (ranks,) entries each."""
     ends = np.cumsum(counts)
     return [(int(rank), slice(ends[rank] - counts[rank], ends[rank])) for rank in np.flatnonzero(counts)]

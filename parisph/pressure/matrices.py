@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats
 from parisph.kernels.row import sort_rows, split_rows
 from parisph.parallel.petsc import PETSc
 
 _INT = ctypes.c_int64 if np.dtype(PETSc.IntType).itemsize == 8 else ctypes.c_int32
 # a handle is a pointer in some libraries and a whole number in others
 _HANDLE = ctypes.c_void_p if MPI._sizeof(MPI.Comm) == ctypes.sizeof(ctypes.c_void_p) else ctypes.c_int
+_Create = Callable[[MPI.Comm, int, int, tuple[Array, ...]], PETSc.Mat]
 
 
-def matrix_of(rows: PETSc.Vec, indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> PETSc.Mat:
+def matrix_of(rows: PETSc.Vec, indptr: Array, columns: Array, values: Floats) -> PETSc.Mat:
     """Return the matrix of these rows. Collective.
 
     On one rank the entries of each row are sorted in place. On several, the arrays then hold the block of own columns.
@@ -29,7 +31,7 @@ def matrix_of(rows: PETSc.Vec, indptr: np.ndarray, columns: np.ndarray, values: 
     """
     sort_rows(indptr, columns, values)    # without, PETSc takes many times as long
     if rows.comm.size > 1 and _create is not None:
-        return _from_blocks(rows, indptr, columns, values)
+        return _from_blocks(_create, rows, indptr, columns, values)
     return PETSc.Mat().createAIJWithArrays((rows.sizes, rows.sizes), (indptr, columns, values), comm=rows.comm)
 
 
@@ -38,21 +40,22 @@ def compile_for_ranks() -> None:
     split_rows(np.zeros(1, PETSc.IntType), np.zeros(0, PETSc.IntType), np.zeros(0), 0, 0)
 
 
-def _from_blocks(rows, indptr, columns, values):
+def _from_blocks(create: _Create, rows: PETSc.Vec, indptr: Array, columns: Array, values: Floats) -> PETSc.Mat:
     """Return the matrix of sorted rows from its blocks of own and of other columns, as PETSc stores it on ranks.
 
     From the rows themselves PETSc makes these entry by entry, which took 13 ms for 41,600 rows on each of two ranks, as
     long as three Krylov iterations.
     """
-    arrays = split_rows(indptr, columns, values, *rows.owner_range)
-    matrix = _create(rows.comm.tompi4py(), *rows.sizes, arrays)
+    (first, last), (n, total) = rows.owner_range, rows.sizes
+    arrays = split_rows(indptr, columns, values, first, last)
+    matrix = create(rows.comm.tompi4py(), n, total, arrays)
     # The arrays live as long as what PETSc has of them: a kept preconditioner may hold the block without the matrix.
     for holder in (matrix, matrix.getDiagonalBlock()):
         holder.setAttr("__rows__", arrays)
     return matrix
 
 
-def _creator() -> Callable[[MPI.Comm, int, int, tuple[np.ndarray, ...]], Any] | None:
+def _creator() -> _Create | None:
     """Return what makes a matrix from its blocks, with PETSc's function, for which petsc4py has no name; None if it
     cannot be called."""
     try:
@@ -66,7 +69,7 @@ def _creator() -> Callable[[MPI.Comm, int, int, tuple[np.ndarray, ...]], Any] | 
     function.argtypes = [_HANDLE, *[_INT] * 4, *[ctypes.c_void_p] * 7]
     wrapped = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p)(_address(capsule))
 
-    def create(comm: MPI.Comm, n: int, total: int, arrays: tuple[np.ndarray, ...]) -> PETSc.Mat:
+    def create(comm: MPI.Comm, n: int, total: int, arrays: tuple[Array, ...]) -> PETSc.Mat:
         handle, made = _HANDLE.from_address(MPI._addressof(comm)), ctypes.c_void_p()
         error = function(handle, n, n, total, total, *(array.ctypes.data for array in arrays), ctypes.byref(made))
         if error:
@@ -77,7 +80,7 @@ def _creator() -> Callable[[MPI.Comm, int, int, tuple[np.ndarray, ...]], Any] | 
     return create
 
 
-def _address(capsule):
+def _address(capsule: Any) -> Any:
     """Return the address that a capsule of Python holds."""
     name = ctypes.pythonapi.PyCapsule_GetName
     name.restype, name.argtypes = ctypes.c_char_p, [ctypes.py_object]

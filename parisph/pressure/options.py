@@ -1,7 +1,7 @@
 """PETSc options of the pressure solve: the defaults, and the user's options, which override them."""
 
 import ctypes
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from mpi4py import MPI
@@ -84,7 +84,7 @@ _GAMG = {"pc_type": "gamg", "mg_levels_ksp_type": "richardson", "mg_levels_pc_ty
 
 
 # Limits of the iteration that the user may set: a test of the value, and the valid range in words.
-_LIMITS = {
+_LIMITS: dict[str, tuple[Callable[[float], bool], str]] = {
     "ksp_rtol": (lambda value: 0.0 <= value < 1.0, "a number of at least 0 and below 1, such as 1e-6"),
     "ksp_atol": (lambda value: 0.0 <= value < float("inf"), "a number of at least 0"),
     "ksp_divtol": (lambda value: value > 0.0, "a number above 0"),
@@ -92,7 +92,7 @@ _LIMITS = {
 }
 
 
-def _incomplete(ranks, levels, long=False):
+def _incomplete(ranks: int, levels: int, long: bool = False) -> dict[str, str | None]:
     """Return options of ILU(levels) on one rank, of ILU blocks on more (see SMALL, LONG and OVERLAPPING).
 
     If a user sets another number of levels, the order of the rows stays that of these.
@@ -127,8 +127,8 @@ def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
         kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
     if kind == "incomplete":
         # Long rows produce more fill: with 37 entries per row, each level doubles the set-up time.
-        preconditioner = _incomplete(ranks, (1 + int(entries < 32 * unknowns)) * int(lasting),
-                                     long=entries > LONG * unknowns)
+        levels = (1 + int(entries < 32 * unknowns)) * int(lasting)
+        preconditioner: Mapping[str, str | None] = _incomplete(ranks, levels, long=entries > LONG * unknowns)
     elif kind == "hypre":
         preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
     else:
@@ -149,7 +149,7 @@ def backup(stage: str, rtol: float, ranks: int) -> dict[str, str | None]:
     return dict(krylov, ksp_max_it="20", pc_type="lu", **_direct(ranks))
 
 
-def _direct(ranks):
+def _direct(ranks: int) -> dict[str, str | None]:
     """Return options of the best direct solver that this PETSc has."""
     if PETSc.Sys.hasExternalPackage("mumps"):
         # MUMPS then replaces null pivots, which solves a singular but consistent system.
@@ -286,8 +286,8 @@ def as_text(options: Mapping[str, str | None]) -> str:
     return " ".join(words)
 
 
-def _parse(words):
-    given = {}
+def _parse(words: Sequence[str]) -> dict[str, str | None]:
+    given: dict[str, str | None] = {}
     name = None
     for word in words:
         if _is_name(word):
@@ -303,5 +303,5 @@ def _parse(words):
     return given
 
 
-def _is_name(word):
+def _is_name(word: str) -> bool:
     return len(word) > 1 and word[0] == "-" and not word[1].isdigit() and word[1] != "."

@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import ParisphError, SolverDiverged
 from parisph.kernels import row
 
 
-def row_fault(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, n: int, total: int) -> ParisphError | None:
+def row_fault(indptr: Array, indices: Array, values: Floats, n: int, total: int) -> ParisphError | None:
     """Return the error of this rank's CSR rows, or None.
 
     Parameters
@@ -31,7 +32,7 @@ def row_fault(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, n: in
     return None
 
 
-def vector_fault(name: str, vector: np.ndarray | None, n: int) -> ParisphError | None:
+def vector_fault(name: str, vector: Floats | None, n: int) -> ParisphError | None:
     """Return the error of an owned array of n numbers (None is fine), or None."""
     if vector is None:
         return None
@@ -43,12 +44,13 @@ def vector_fault(name: str, vector: np.ndarray | None, n: int) -> ParisphError |
     return None
 
 
-def guess_fault(guess: np.ndarray | None, n: int) -> ParisphError | None:
+def guess_fault(guess: Floats | None, n: int) -> ParisphError | None:
     """Return the error of a guess (n,), or of several (k, n), or None (of no guess, too)."""
-    faults = (vector_fault("guess", one, n) for one in (guess if np.ndim(guess) == 2 else [guess]))
+    guesses = guess if guess is not None and np.ndim(guess) == 2 else [guess]
+    faults = (vector_fault("guess", one, n) for one in guesses)
     return next((fault for fault in faults if fault is not None), None)
 
 
-def _finite(numbers):
+def _finite(numbers: Floats) -> bool:
     # One pass without a temporary array; the second test is needed only after an overflow.
     return bool(np.isfinite(np.dot(numbers, numbers)) or np.isfinite(numbers).all())

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import rankine, surface_rows
 from parisph.kernels.jit import kernel
@@ -11,7 +12,7 @@ from parisph.kernels.rankine import Invariants
 from parisph.kernels.records import Cloud, Flux, Rows
 
 
-def _with_room(array, n):
+def _with_room(array: Array, n: int) -> Array:
     """Return an array for n items: this one if it has room for them."""
     return array if n <= len(array) else np.empty((n + n // 8, *array.shape[1:]), array.dtype)
 
@@ -37,7 +38,7 @@ class PressureRows:
         self.rows, self.flux = Rows(none, none, nothing, nothing), Flux(none, none, np.empty((0, dim)), nothing)
         self._invariants: Invariants | None = None
 
-    def fill(self, u: np.ndarray, cloud: Cloud, cells: np.ndarray) -> None:
+    def fill(self, u: Floats, cloud: Cloud, cells: Floats) -> None:
         """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective.
 
         The rows refer to the cloud: they are those of its particles until it is sorted anew, with the roles that these
@@ -56,7 +57,7 @@ class PressureRows:
             s = cloud.spacing
             surface_rows.surface_rows(rows, cloud, cells, self.offset * s, self.radius * s)
 
-    def _reserve(self, n, nnz):
+    def _reserve(self, n: int, nnz: int) -> None:
         """Make room for n rows and stencils with nnz entries, all of them empty."""
         rows, flux = self.rows, self.flux
         self.rows = rows = Rows(_with_room(rows.count, n), _with_room(rows.columns, nnz), _with_room(rows.values, nnz),
@@ -68,37 +69,37 @@ class PressureRows:
             array[:n] = 0
 
     @property
-    def div(self) -> np.ndarray:
+    def div(self) -> Floats:
         """Flux divergence (n_owned,) [1/s] of the velocity that the rows were filled with, 0 without a stencil."""
         return self.flux.div[:len(self.cloud.indptr) - 1]
 
-    def pin(self, which: np.ndarray) -> None:
+    def pin(self, which: Flags | Ints) -> None:
         """Make p = 0 at some owned particles, given by a mask or their numbers, whose role becomes SURFACE."""
         self.rows.count[:len(self.cloud.indptr) - 1][which] = 0
 
-    def csr(self, global_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def csr(self, global_rows: Array) -> tuple[Array, Array, Floats, Flags]:
         """Return (indptr, global columns, values, anchored) with the p = 0 columns dropped.
 
         anchored : (n_owned,) bool, rows with p = 0 or of the surface, or with such a neighbour.
         """
         return compress(self.rows, self.cloud, global_rows, self.offset > 0.0)
 
-    def right_hand_side(self, target: np.ndarray) -> np.ndarray:
+    def right_hand_side(self, target: Floats) -> Floats:
         """Return -measure * target, (n_owned,)."""
         return -self.rows.measure[:len(target)] * target
 
-    def add_surface_values(self, right: np.ndarray, p: np.ndarray) -> None:
+    def add_surface_values(self, right: Floats, p: Floats) -> None:
         """Add to the right-hand side (n_owned,) what makes p (n_all,) [Pa] the pressure on the surface, in place of 0.
 
         Where surface particles lie below the surface, p is that above them.
         """
         add_surface_values(right, self.rows, self.cloud, p, self.offset > 0.0)
 
-    def divergence(self, out: np.ndarray, u: np.ndarray) -> None:
+    def divergence(self, out: Floats, u: Floats) -> None:
         """Write the flux divergence of u (n_all, dim) at inner particles to out (n_owned,) [1/s]."""
         rankine.divergence(out, self.flux, self.cloud, u)
 
-    def gradient_invariants(self, u: np.ndarray) -> Invariants:
+    def gradient_invariants(self, u: Floats) -> Invariants:
         """Return the invariants of grad u at inner particles.
 
         They are found once for the rows, and not again until they are filled anew.
@@ -112,7 +113,7 @@ class PressureRows:
 
 
 @kernel
-def add_surface_values(right: np.ndarray, rows: Rows, cloud: Cloud, p: np.ndarray, solved: bool) -> None:
+def add_surface_values(right: Floats, rows: Rows, cloud: Cloud, p: Floats, solved: bool) -> None:
     """Add the terms of `PressureRows.add_surface_values`.
 
     solved : whether surface particles have rows of their own, p_I - p_s = sum_J values_J (p_J - p_s)
@@ -133,8 +134,7 @@ def add_surface_values(right: np.ndarray, rows: Rows, cloud: Cloud, p: np.ndarra
 
 
 @kernel
-def compress(rows: Rows, cloud: Cloud, global_rows: np.ndarray,
-             solved: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def compress(rows: Rows, cloud: Cloud, global_rows: Array, solved: bool) -> tuple[Array, Array, Floats, Flags]:
     """Join the rows to one CSR with global columns; Dirichlet rows become p = 0.
 
     solved : whether surface particles have rows of their own

@@ -1,12 +1,13 @@
 """The pressure equation A p = b: Krylov solve, kept preconditioner, fallback chain, record."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
 from parisph.parallel.petsc import PETSc
@@ -34,6 +35,7 @@ _NAMES = {
     "gamg": "multigrid of PETSc", "asm": "incomplete factors", "lu": "direct factors",
 }
 
+_Tried = tuple[str, int, int, float]    # an attempt: name, reason, iterations, residual
 _REFUSED = -100
 _REASONS = {
     _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "iteration limit reached",
@@ -111,15 +113,16 @@ class PressureSolver:
         if not rtol > 0.0:
             raise ParisphError(f"relative tolerance {rtol} of the pressure solve must be positive")
         self.setups = 0
-        self.options = {}
+        self.options: dict[str, str | None] = {}
         self._comm = comm
         self._closed = closed
         self._wanted = rtol
         self._system = System(comm, closed)
-        self._rows = None           # of this rank, when the preconditioner was built
+        self._rows = -1             # of this rank, when the preconditioner was built
         self._total = 0
-        self._matrices = None       # since rows were renumbered
-        self._ksp = None
+        self._matrices = 0          # since rows were renumbered
+        self._setups = 0            # before that
+        self._ksp: PETSc.KSP = None
         self._user = opts.UserOptions(options)
         self._unchecked = True      # whether PETSc has used all of them
         try:
@@ -130,8 +133,8 @@ class PressureSolver:
             self._user.withdraw()
             raise
 
-    def solve(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, rhs: np.ndarray,
-              guess: np.ndarray | None, renumbered: bool = False) -> tuple[np.ndarray, SolveRecord]:
+    def solve(self, indptr: Array, indices: Array, values: Floats, rhs: Floats, guess: Floats | None,
+              renumbered: bool = False) -> tuple[Floats, SolveRecord]:
         """Solve A p = b with a new matrix. Collective.
 
         Parameters
@@ -167,8 +170,7 @@ class PressureSolver:
             self._warn_of_unused_options()
         return found
 
-    def solve_again(self, rhs: np.ndarray, guess: np.ndarray | None,
-                    slack: float = 1.0) -> tuple[np.ndarray, SolveRecord]:
+    def solve_again(self, rhs: Floats, guess: Floats | None, slack: float = 1.0) -> tuple[Floats, SolveRecord]:
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
         slack : float
@@ -178,14 +180,9 @@ class PressureSolver:
         `solve`, and after `release`.
         """
         start = perf_counter()
-        error = None
-        missing = self._rows is None or self._system.matrix is None
-        if missing:
-            error = ParisphError("solve_again needs a matrix: call solve first")
-        else:
-            error = vector_fault("right-hand side", rhs, self._rows) or guess_fault(guess, self._rows)
-        if missing:    # there is nothing that could compute
-            agree(self._comm, error)
+        if self._system.matrix is None:    # there is nothing that could compute
+            agree(self._comm, ParisphError("solve_again needs a matrix: call solve first"))
+        error = vector_fault("right-hand side", rhs, self._rows) or guess_fault(guess, self._rows)
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
 
     def release(self) -> None:
@@ -207,9 +204,10 @@ class PressureSolver:
 
     # -- before the solve ---------------------------------------------------------------------
 
-    def _accept(self, indptr, indices, values, rhs, guess, renumbered):
+    def _accept(self, indptr: Array, indices: Array, values: Floats, rhs: Floats, guess: Floats | None,
+                renumbered: bool) -> None:
         """Check the local arrays, agree on the sizes, and decide if the preconditioner stays."""
-        def fault(total):
+        def fault(total: int) -> ParisphError | None:
             return (row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
                     or guess_fault(guess, n))
 
@@ -228,7 +226,7 @@ class PressureSolver:
         if changed or self._worn or not self._may_keep:
             self._usable = False
 
-    def _warn_of_unused_options(self):
+    def _warn_of_unused_options(self) -> None:
         """Warn once of options that are probably misspelled. Those of later attempts are not used yet."""
         self._unchecked = False
         later = tuple(f"{opts.PREFIX}{stage}_" for stage in _BACKUPS)
@@ -237,9 +235,9 @@ class PressureSolver:
             logger.warning(f"PETSc does not use {', '.join(names)}: misspelled, "
                            "or for another solver than the one in use (-pressure_ksp_view shows it)")
 
-    def _configure(self, unknowns, entries):
+    def _configure(self, unknowns: int, entries: int) -> None:
         """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""
-        lasting = self._matrices is None or self._matrices >= LASTING * (self.setups - self._setups)
+        lasting = self._matrices >= LASTING * (self.setups - self._setups)
         self._chosen = opts.primary(self._wanted, self._closed, self._comm.size, unknowns, entries, lasting)
         without_fill = "0" in (self._chosen.get("pc_factor_levels"), self._chosen.get("sub_pc_factor_levels"))
         in_order = self._comm.size == 1 and "pc_factor_mat_ordering_type" not in self._chosen
@@ -256,13 +254,14 @@ class PressureSolver:
         self.options = {**ours, **self._user.given}
         self._usable = False        # whether there is a preconditioner, of this or an earlier matrix
         self._current = False       # whether it was made from this matrix
-        self._worn = False          # whether the next matrix gets a new one
+        self._worn: bool = False    # whether the next matrix gets a new one
         self._setups = self.setups
-        self._fresh = {}            # iterations that it needed at first, for each kind of solve
+        self._fresh: dict[str, int] = {}    # iterations that it needed at first, for each kind of solve
 
     # -- the solve ----------------------------------------------------------------------------
 
-    def _run(self, kind, rhs, guess, start, goal, error=None):
+    def _run(self, kind: str, rhs: Floats, guess: Floats | None, start: float, goal: float,
+             error: ParisphError | None = None) -> tuple[Floats, SolveRecord]:
         """Load the vectors and make attempts until one succeeds.
 
         Return (p, SolveRecord). error : of this rank's vectors, or None.
@@ -272,7 +271,7 @@ class PressureSolver:
         self._seconds = [perf_counter() - start, 0.0]
         if system.norm == 0.0:
             return np.zeros(np.size(rhs)), SolveRecord(0, 0, 0.0, self._seconds[0], 0.0, "", False)
-        tried = []
+        tried: list[_Tried] = []
         best, least = system.x.array.copy(), 1.0
         for name in self._attempts():
             reason, iterations = self._backup(name) if name in _BACKUPS else self._attempt(name)
@@ -286,11 +285,11 @@ class PressureSolver:
         else:
             raise SolverDiverged(self._failure(tried))
         self._judge(kind, name, iterations)
-        record = SolveRecord(reason, sum(t[2] for t in tried), residual, *self._seconds,
-                             fallback=name if len(tried) > 1 else "", rebuilt=any(t[0] != "kept" for t in tried))
+        record = SolveRecord(reason, sum(t[2] for t in tried), residual, self._seconds[0], self._seconds[1],
+                             name if len(tried) > 1 else "", any(t[0] != "kept" for t in tried))
         return system.solution(), record
 
-    def _attempts(self):
+    def _attempts(self) -> Iterator[str]:
         """Yield the names of the attempts, in their order."""
         if self._usable:
             yield "kept"
@@ -300,9 +299,9 @@ class PressureSolver:
             yield "fresh"
         yield from _BACKUPS
 
-    def _attempt(self, name):
+    def _attempt(self, name: str) -> tuple[int, int]:
         """Solve with the first attempt's method; return (reason, iterations). Collective."""
-        def prepare():
+        def prepare() -> None:
             # The matrix and its pattern are new in each step. With this flag PETSc keeps the
             # preconditioner for any new operator, and frees the old matrix.
             self._ksp.getPC().setReusePreconditioner(name == "kept")
@@ -311,7 +310,7 @@ class PressureSolver:
                 self._build()
         return self._timed(self._ksp, prepare)
 
-    def _timed(self, ksp, prepare):
+    def _timed(self, ksp: PETSc.KSP, prepare: Callable[[], None]) -> tuple[int, int]:
         """Call `prepare()` and solve; return (reason, iterations). Adds to the seconds of both. Collective."""
         start = perf_counter()
         try:
@@ -324,7 +323,7 @@ class PressureSolver:
         except PETSc.Error:
             return _REFUSED, 0
 
-    def _build(self):
+    def _build(self) -> None:
         """Build the first attempt's preconditioner from the current matrix. Collective."""
         self.setups += 1
         self._usable = self._current = False
@@ -336,7 +335,7 @@ class PressureSolver:
         self._worn = False
         self._fresh = {}
 
-    def _backup(self, stage):
+    def _backup(self, stage: str) -> tuple[int, int]:
         """Solve with one of the later attempts; return (reason, iterations). Collective."""
         prefix = f"{opts.PREFIX}{stage}_"
         chosen = opts.backup(stage, self._goal, self._comm.size)
@@ -344,7 +343,7 @@ class PressureSolver:
         ksp = opts.configured(self._comm, prefix, chosen)
         self._seconds[0] += perf_counter() - start
 
-        def prepare():
+        def prepare() -> None:
             with opts.defaults(prefix, chosen):
                 ksp.setOperators(self._system.operator, self._system.preconditioned)
                 ksp.setUp()
@@ -356,14 +355,14 @@ class PressureSolver:
 
     # -- after the solve ----------------------------------------------------------------------
 
-    def _succeeded(self, reason, residual):
+    def _succeeded(self, reason: int, residual: float) -> bool:
         """Return whether an attempt succeeded, by its true residual. NaN fails every comparison."""
-        floor = self._atol / self._system.norm
+        floor: float = self._atol / self._system.norm
         if reason > 0:
             return residual <= SLACK * max(self._goal, floor)
         return residual <= max(self._goal, floor)
 
-    def _judge(self, kind, name, iterations):
+    def _judge(self, kind: str, name: str, iterations: int) -> None:
         """Decide whether the next solve may keep the preconditioner."""
         if name in _BACKUPS:
             self._usable = False
@@ -372,7 +371,7 @@ class PressureSolver:
         if iterations > self._growth * max(fresh, FRESH) + 2:
             self._worn = True
 
-    def _failure(self, tried):
+    def _failure(self, tried: Sequence[_Tried]) -> str:
         """Return the message of a solve in which all attempts failed."""
         attempts = "".join(
             f"\n  {_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "

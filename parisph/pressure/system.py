@@ -3,6 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Flags, Floats
 from parisph.base.errors import SolverDiverged, agree
 from parisph.parallel.petsc import PETSc
 from parisph.pressure.matrices import matrix_of
@@ -42,12 +43,15 @@ class System:
 
     def __init__(self, comm: MPI.Comm, closed: bool) -> None:
         self.comm = comm
-        self.matrix = self.operator = self.preconditioned = None
-        self.b = self.x = self._r = None
+        self.matrix: PETSc.Mat = None
+        self.operator: PETSc.Mat = None
+        self.preconditioned: PETSc.Mat = None
+        self._null: PETSc.NullSpace = None
+        self.b: PETSc.Vec = None
+        self.x: PETSc.Vec = None
+        self._r: PETSc.Vec = None
         self.norm = 0.0
         self._closed = closed
-        self._null = None
-        self._sizes = None
 
     def resize(self, n: int, total: int) -> None:
         """Prepare vectors for n rows of `total` on this rank. Collective."""
@@ -57,7 +61,7 @@ class System:
         self.x, self.b, self._r = (
             PETSc.Vec().createWithArray(array, size=(n, total), comm=self.comm) for array in self._arrays)
 
-    def assemble(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray) -> None:
+    def assemble(self, indptr: Array, indices: Array, values: Floats) -> None:
         """Make the matrix from this rank's rows (global columns, any order). Collective.
 
         Rearranges the entries in place, and keeps the arrays; copies of those that are not of PETSc's types.
@@ -70,11 +74,10 @@ class System:
         self.operator = self.preconditioned = self.matrix
         self.matrix.getDiagonal(self._r)
         self._zeros = float(np.count_nonzero(self._arrays[2] == 0.0))
-        if self._closed:
+        if alone is not None:
             self._find_null_vector(alone, largest)
 
-    def load(self, rhs: np.ndarray, guess: np.ndarray | None, error: Exception | None = None,
-             goal: float = 0.0) -> float:
+    def load(self, rhs: Floats, guess: Floats | None, error: Exception | None = None, goal: float = 0.0) -> float:
         """Set b and the initial guess, compute |b|, and return the tolerance of the solve. Collective.
 
         A guess whose residual is not below |b| is replaced by zero.
@@ -99,7 +102,8 @@ class System:
             incomplete factors may read beyond the end of such a row instead of failing).
         """
         b = self._arrays[1]
-        guesses = np.zeros((len(guess) if np.ndim(guess) == 2 else 1, len(b)))    # as many on all ranks
+        many = 1 if guess is None or np.ndim(guess) == 1 else len(guess)    # the same on all ranks
+        guesses = np.zeros((many, len(b)))
         if error is not None:
             rhs = np.zeros_like(b)
         elif guess is not None:
@@ -108,7 +112,7 @@ class System:
         self._touch(self.b)
         if self._null:
             self._null.remove(self.b)
-        bb, given, zeros, failed, *left = self.sum(b @ b, rhs @ rhs, self._zeros, error is not None,
+        bb, given, zeros, failed, *left = self.sum(float(b @ b), float(rhs @ rhs), self._zeros, error is not None,
                                                    *(self._missing(one) for one in guesses))
         if failed:
             agree(self.comm, error)
@@ -123,24 +127,24 @@ class System:
             self._begin(guesses[best])
         return goal / CLOSER if best > 0 and left[best] <= enough else goal
 
-    def _begin(self, guess):
+    def _begin(self, guess: Floats) -> None:
         self.start_from(guess)
         if self._null:
             self._null.remove(self.x)
 
-    def _missing(self, guess):
+    def _missing(self, guess: Floats) -> float:
         """Return this rank's part of |b - A x|^2 for a guess (n,), which is left in x. Collective."""
         self._begin(guess)
         return self._square()
 
-    def _square(self):
+    def _square(self) -> float:
         """Return this rank's part of |b - A x|^2 of the current x. Collective."""
         _, b, r = self._arrays
         self.operator.mult(self.x, self._r)
         np.subtract(b, r, out=r)
-        return r @ r
+        return float(r @ r)
 
-    def start_from(self, values: np.ndarray | float) -> None:
+    def start_from(self, values: Floats | float) -> None:
         """Set the initial guess to an array of owned values, or to one value."""
         self._arrays[0][:] = values
         self._touch(self.x)
@@ -149,13 +153,13 @@ class System:
         """Return |b - A x| / |b| of the current x (with Q, in a closed domain). Collective."""
         return float(np.sqrt(self.sum(self._square())[0])) / self.norm
 
-    def solution(self) -> np.ndarray:
+    def solution(self) -> Floats:
         """Return a copy of the owned part of x, with zero mean in a closed domain. Collective."""
         if self._null:
             self._null.remove(self.x)
         return self._arrays[0].copy()
 
-    def sum(self, *local: float) -> np.ndarray:
+    def sum(self, *local: float) -> Floats:
         """Return the sums over the ranks of some numbers. Collective."""
         numbers = np.array(local, float)
         if self.comm.size > 1:
@@ -177,12 +181,12 @@ class System:
         self.matrix = self.operator = self.preconditioned = self._null = None
 
     @staticmethod
-    def _touch(*vectors):
+    def _touch(*vectors: PETSc.Vec) -> None:
         # PETSc caches norms of vectors and does not notice that the arrays were written.
         for vector in vectors:
             vector.stateIncrease()
 
-    def _find_null_vector(self, alone, largest):
+    def _find_null_vector(self, alone: Flags, largest: float) -> None:
         """Find the null vector of A. alone : (n,) bool, rows of one entry; largest : of all entries of this rank."""
         x, b, r = self._arrays
         count = self.sum(float(np.count_nonzero(~alone)))[0]
@@ -201,7 +205,7 @@ class System:
         self.operator.setUp()
         self.preconditioned = self._pinned(alone)
 
-    def _pinned(self, alone):
+    def _pinned(self, alone: Flags) -> PETSc.Mat:
         """Return A with the diagonal of the first row that is not an identity row doubled."""
         pinned = self.matrix.duplicate(copy=True)
         first = self.matrix.getOwnershipRange()[0]
@@ -217,9 +221,9 @@ class System:
 class _Projected:
     """Python side of the operator Q A."""
 
-    def __init__(self, matrix, null):
+    def __init__(self, matrix: PETSc.Mat, null: PETSc.NullSpace) -> None:
         self._matrix, self._null = matrix, null
 
-    def mult(self, _, x, y):
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         self._matrix.mult(x, y)
         self._null.remove(y)

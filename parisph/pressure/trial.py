@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats, Ints
 from parisph.parallel.petsc import PETSc, petsc4py_version
 from parisph.pressure.solver import PressureSolver
 
@@ -43,12 +44,13 @@ def solve(comm: MPI.Comm) -> dict[str, Any]:
     return {"ranks": comm.size, "iterations": record.iterations, "error": comm.allreduce(error, MPI.MAX)}
 
 
-def _exact(row):
+def _exact(row: Array) -> Floats:
     """A pressure of order one with structure on all scales."""
-    return np.sin(0.1 * row) + np.cos(1.7 * row + 0.3)
+    found: Floats = np.sin(0.1 * row) + np.cos(1.7 * row + 0.3)
+    return found
 
 
-def _rows(rows):
+def _rows(rows: Ints) -> tuple[Array, Array, Floats]:
     """Return the CSR rows of the five-point Laplacian with p = 0 around the square."""
     i, j = np.divmod(rows, SIDE)
     offsets = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
@@ -59,7 +61,7 @@ def _rows(rows):
     return indptr.astype(np.int32), columns[inside].astype(np.int32), entries[inside]
 
 
-def _hypre_version():
+def _hypre_version() -> str:
     """Return the version of the hypre library that PETSc has loaded; needs no headers."""
     try:
         with open("/proc/self/maps") as maps:

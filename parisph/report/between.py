@@ -16,8 +16,6 @@ from parisph.io.files import rewrite
 class Between:
     """The place between a line `start` and a line `end` of a UTF-8 text file, checked before any work.
 
-    Attributes
-    ----------
     path : pathlib.Path of the file itself, where `file` is a link to it
     """
 

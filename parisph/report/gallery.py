@@ -47,7 +47,8 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     for name, about in _subjects(folders):
         path = _picture(about.run, _folder(place) / f"{name}.png")
         pages += [markup.heading(about.title), *([markup.picture(path, _caption(about.run))] if path else []),
-                  markup.table(_facts(about)), *_shown(_table(about))]
+                  markup.table(_facts(about)),
+                  markup.table(truths) if (truths := _table(about)).rows else markup.paragraph("No truth.")]
         texts += [f"## {line(about.title)}", "", *_text(name, about, f"{name}.png" if path else "")]
     try:
         write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
@@ -149,10 +150,6 @@ def _table(about: Subject) -> CellTable:
         rows.append((row[0], _joined(f"when it passes {row[1].text}", row[1]), row[2], Cell("-"), Cell("-")))
     wide = any(row[4].text != "-" for row in rows)
     return CellTable(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
-
-
-def _shown(content: CellTable) -> list[str]:
-    return [markup.table(content) if content.rows else markup.paragraph("No truth.")]
 
 
 def _reported(row: tuple[Cell, ...]) -> str:

@@ -18,8 +18,6 @@ SHORT = {"method": "", "spacing": "s", "time_step": "dt", "seed": "seed"}    # i
 class Combination:
     """What a study sets for one run.
 
-    Attributes
-    ----------
     sets : {name: value} of the parameters: method, spacing, time_step, seed, and further ones
     ranks : number of MPI ranks
     label : name of the curve that it belongs to
@@ -53,9 +51,7 @@ def combine(study: Study, sets: Mapping[str, Any] | None = None) -> list[Combina
 
     sets : further parameters of all runs, as of --set
 
-    Raises
-    ------
-    CaseError : a parameter of `sets` is one that the study varies, or two runs are the same.
+    Raises CaseError: a parameter of `sets` is one that the study varies, or two runs are the same.
     """
     found: list[Combination] = []
     for choices in study.variants or (study,):

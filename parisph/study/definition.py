@@ -1,12 +1,12 @@
 """The description of a study: which runs of a case, what is measured in them, and what is required."""
 
 from collections.abc import Iterable
-from typing import Annotated, Any, Optional
+from typing import Annotated, Any, Optional, TypeVar
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, field_validator, model_validator
 
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.study.measures import AnyMeasure, is_error, name_of
 
 # Parameters with a field of their own.
@@ -15,6 +15,26 @@ OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "s
 COLUMNS = (
     "cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived",
 )
+Item = TypeVar("Item")
+
+
+def listed(values: object) -> object:
+    """Return values for a field. Raises ValueError for a single value in place of a list."""
+    if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
+        raise ValueError(f"{shown(values)}: must be a list; write [{shown(values)}]")
+    return values
+
+
+def each_once(values: tuple[Item, ...]) -> tuple[Item, ...]:
+    """Return values for a field. Raises ValueError if one is there twice."""
+    for value in values:
+        if values.count(value) > 1:
+            raise ValueError(f"{shown(value)} is given twice: leave one of them out")
+    return values
+
+
+Listed = Annotated[Several[Item], BeforeValidator(listed)]    # of which a single value in place of a list is refused
+Each = Annotated[Listed[Item], AfterValidator(each_once)]        # and a value that is given twice
 Positive = Annotated[float, Field(gt=0)]
 Whole = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1, le=10_000)]
@@ -23,8 +43,6 @@ Count = Annotated[int, Field(ge=1, le=10_000)]
 class Choices(Model):
     """Values that are combined, each with every other. An empty field leaves the value of the case.
 
-    Attributes
-    ----------
     methods : names of methods
     spacings, time_steps : of the case's parameters `spacing` and `time_step`, in their units; a time step None adapts.
         If the case has no such parameter, they are numerics.spacing [m] and numerics.time_step [s]
@@ -33,23 +51,13 @@ class Choices(Model):
     ranks : numbers of MPI ranks
     """
 
-    methods: tuple[str, ...] = ()
-    spacings: tuple[Positive, ...] = Field(default=(), description="spacings, each greater than 0")
-    time_steps: tuple[Optional[Positive], ...] = Field(
+    methods: Each[str] = ()
+    spacings: Each[Positive] = Field(default=(), description="spacings, each greater than 0")
+    time_steps: Each[Optional[Positive]] = Field(
         default=(), description="time steps, each greater than 0, or None to adapt it")
     parameters: dict[str, Any] = Field(default_factory=dict, description="parameters of the case by name")
-    seeds: tuple[Whole, ...] = Field(default=(), description="seeds, each a whole number of at least 0")
-    ranks: tuple[Count, ...] = Field(default=(), description="numbers of ranks, each at least 1")
-
-    @field_validator("methods", "spacings", "time_steps", "seeds", "ranks", mode="before")
-    @classmethod
-    def _several(cls, values: object) -> object:
-        return listed(values)
-
-    @field_validator("methods", "spacings", "time_steps", "seeds", "ranks")
-    @classmethod
-    def _each_once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        return each_once(values)
+    seeds: Each[Whole] = Field(default=(), description="seeds, each a whole number of at least 0")
+    ranks: Each[Count] = Field(default=(), description="numbers of ranks, each at least 1")
 
     @field_validator("parameters")
     @classmethod
@@ -115,8 +123,6 @@ class OtherCodes(Model):
 class Study(Choices):
     """A study: its runs are all combinations of its choices, or of those of each of its variants.
 
-    Attributes
-    ----------
     case : path of a case file or of a stored case, relative to the study file
     title : one line for tables and pictures
     variants : list of Variant; without any, the choices of the study itself are combined
@@ -128,28 +134,21 @@ class Study(Choices):
     time_limit : longest time of a run on the clock [s], None for no limit
     warm_up : whether a step of each method is made first, so that no CPU time includes the compilation of kernels
 
-    Raises
-    ------
-    CaseError : with one line for each problem
+    Raises CaseError: with one line for each problem
     """
 
     case: str = Field(kw_only=True, min_length=1, description="path of the case file, relative to the study file")
     title: str = Field(default="", max_length=200, description="one line for people")
-    variants: tuple[Variant, ...] = ()
-    errors: tuple[AnyMeasure, ...] = ()
-    required: tuple[Required, ...] = ()
-    others: tuple[OtherCodes, ...] = ()
-    levels: dict[str, tuple[Positive, ...]] = Field(
+    variants: Listed[Variant] = ()
+    errors: Listed[AnyMeasure] = ()
+    required: Listed[Required] = ()
+    others: Listed[OtherCodes] = ()
+    levels: dict[str, Several[Positive]] = Field(
         default_factory=dict,
         description="errors at which costs are compared, each greater than 0, by the name of a measure")
-    histories: tuple[str, ...] = ()
+    histories: Listed[str] = ()
     time_limit: Optional[float] = Field(default=None, gt=0, description="longest time of a run on the clock [s]")
     warm_up: bool = True
-
-    @field_validator("variants", "errors", "required", "others", "histories", mode="before")
-    @classmethod
-    def _listed(cls, values: object) -> object:
-        return listed(values)
 
     @model_validator(mode="after")
     def _names_fit(self) -> "Study":
@@ -169,18 +168,3 @@ def _check_known(asked: Iterable[str], names: list[str], field: str) -> None:
     for name in asked:
         if name not in names:
             raise ValueError(f"{field}: there is no measure {shown(name)}; there are {', '.join(names) or 'none'}")
-
-
-def listed(values: object) -> object:
-    """Return values for a field. Raises ValueError for a single value in place of a list."""
-    if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
-        raise ValueError(f"{shown(values)}: must be a list; write [{shown(values)}]")
-    return values
-
-
-def each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return values for a field. Raises ValueError if one is there twice."""
-    for value in values:
-        if values.count(value) > 1:
-            raise ValueError(f"{shown(value)} is given twice: leave one of them out")
-    return values

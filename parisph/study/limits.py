@@ -16,8 +16,6 @@ from parisph.study.set_words import text
 class Verdict:
     """One limit on runs that differ by their seed only.
 
-    Attributes
-    ----------
     required : Required; where : the run, for people; values : of the starts, None for a run without a value
     """
 

@@ -45,9 +45,7 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
 
     folder : of the study file; finest : the finest run of the same curve, for FinestError
 
-    Raises
-    ------
-    CaseError : it cannot be computed, with the reason; StoreError : files of the run cannot be read
+    Raises CaseError: it cannot be computed, with the reason; StoreError : files of the run cannot be read
     """
     try:
         found = _found(measure, run, folder, finest)

@@ -25,9 +25,7 @@ def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
 
     folder : of the study file
 
-    Raises
-    ------
-    CaseError : the file cannot be read, lacks a column, or has a word in place of a number
+    Raises CaseError: the file cannot be read, lacks a column, or has a word in place of a number
     """
     try:
         names, lines = reading.read_columns(folder / other.file)

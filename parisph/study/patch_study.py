@@ -1,15 +1,15 @@
 """The description of a patch study: which operators are applied to which fields, on which particles."""
 
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal, TypeVar, Union
+from collections.abc import Iterator
+from typing import Annotated, Literal, TypeVar, Union
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from parisph.base import text, vocabulary
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.patch.analytic import FIELD_OF, AnalyticField
-from parisph.study.definition import each_once, listed
+from parisph.study.definition import Each, Listed, Whole, each_once
 
 OF_LAPLACIANS = ("interior", "square", "dirichlet", "neumann", "closed")
 OF_GRADIENTS = ("interior", "square", "walls", "surface")
@@ -24,8 +24,17 @@ WORDS = {
 
 Spacing = Annotated[float, Field(gt=0, le=1 / FEWEST_CELLS)]
 Jitter = Annotated[float, Field(ge=0, le=2)]
-Whole = Annotated[int, Field(ge=0)]
-Several = TypeVar("Several", bound=Sequence[Any])
+Item = TypeVar("Item")
+
+
+def _some(values: tuple[Item, ...]) -> tuple[Item, ...]:
+    if not values:
+        raise ValueError("must be a list of at least one")
+    return values
+
+
+Some = Annotated[Listed[Item], AfterValidator(_some)]
+SomeEach = Annotated[Each[Item], AfterValidator(_some)]
 
 
 class Sweep(Model):
@@ -34,18 +43,8 @@ class Sweep(Model):
     spacings : s, of which a whole number fits into 1; jitters : k of a displacement by k s (Rn - 1/2)
     """
 
-    spacings: tuple[Spacing, ...] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
-    jitters: tuple[Jitter, ...] = Field(description="disorders k, each 0 to 2")
-
-    @field_validator("spacings", "jitters", mode="before")
-    @classmethod
-    def _several(cls, values: object) -> object:
-        return listed(values)
-
-    @field_validator("spacings", "jitters")
-    @classmethod
-    def _once(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        return _some(each_once(values))
+    spacings: SomeEach[Spacing] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
+    jitters: SomeEach[Jitter] = Field(description="disorders k, each 0 to 2")
 
     @field_validator("spacings")
     @classmethod
@@ -63,13 +62,8 @@ class Histogram(Model):
 
     spacing: Spacing = Field(description="spacing")
     jitter: Jitter = Field(description="disorder k")
-    edges: tuple[Annotated[float, Field(ge=0)], ...] = Field(
-        tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
-
-    @field_validator("edges")
-    @classmethod
-    def _at_least_one(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        return _some(values)
+    edges: Annotated[Several[Annotated[float, Field(ge=0)]], AfterValidator(_some)] = Field(
+        default=tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
 
     @model_validator(mode="after")
     def _increases(self) -> "Histogram":
@@ -82,8 +76,6 @@ class Histogram(Model):
 class PatchStudy(Model):
     """Operators on fields with known derivatives, in the unit square or cube. All choices are combined.
 
-    Attributes
-    ----------
     fields : names (patch.analytic.FIELD_OF), or AnalyticField(...)
     laplacians, gradients : words of the registries of parts, also of parts that the study file has registered
     patches : what is measured
@@ -105,42 +97,24 @@ class PatchStudy(Model):
     histograms : list of Histogram, of Laplacians in the interior
     title : one line for tables and pictures
 
-    Raises
-    ------
-    CaseError : with one line for each problem
+    Raises CaseError: with one line for each problem
     """
 
     kind: Literal["patch"] = Field(default="patch", init=False)
-    fields: tuple[Union[str, AnalyticField], ...] = Field(description="names of fields, or AnalyticField(...)")
-    sweeps: tuple[Sweep, ...] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
-    laplacians: tuple[str, ...] = ()
-    gradients: tuple[str, ...] = ()
-    patches: tuple[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
+    fields: Some[Union[str, AnalyticField]] = Field(description="names of fields, or AnalyticField(...)")
+    sweeps: Some[Sweep] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
+    laplacians: Each[str] = ()
+    gradients: Each[str] = ()
+    patches: SomeEach[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"]] = Field(
         default=("interior",), description="what is measured")
-    seeds: tuple[Whole, ...] = Field(default=(1, 2, 3), description="seeds, each a whole number of at least 0")
+    seeds: SomeEach[Whole] = Field(default=(1, 2, 3), description="seeds, each a whole number of at least 0")
     dim: int = Field(default=2, ge=2, le=3, description="number of dimensions")
     margin: float = Field(default=0.2, ge=0, le=0.4, description="distance of the interior from the sides")
     beyond: bool = True
-    wall_rows: tuple[str, ...] = Field(default=("sfdi",), description="names of wall rows")
-    surface_gradients: tuple[str, ...] = ()
-    histograms: tuple[Histogram, ...] = ()
+    wall_rows: SomeEach[str] = Field(default=("sfdi",), description="names of wall rows")
+    surface_gradients: Each[str] = ()
+    histograms: Listed[Histogram] = ()
     title: str = Field(default="", max_length=200, description="one line for people")
-
-    @field_validator("fields", "laplacians", "gradients", "patches", "sweeps", "seeds", "wall_rows",
-                     "surface_gradients", "histograms", mode="before")
-    @classmethod
-    def _several(cls, values: object) -> object:
-        return listed(values)
-
-    @field_validator("laplacians", "gradients", "patches", "seeds", "wall_rows", "surface_gradients")
-    @classmethod
-    def _once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        return each_once(values)
-
-    @field_validator("fields", "sweeps", "patches", "seeds", "wall_rows")
-    @classmethod
-    def _at_least_one(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        return _some(values)
 
     @model_validator(mode="after")
     def _fits(self) -> "PatchStudy":
@@ -208,9 +182,3 @@ def cells_of(spacing: float) -> int:
     if abs(cells * spacing - 1.0) > 1e-6:
         raise ValueError(f"spacing {spacing:g}: a whole number of spacings must fit into 1; write 1/{cells}")
     return cells
-
-
-def _some(values: Several) -> Several:
-    if not values:
-        raise ValueError("must be a list of at least one")
-    return values

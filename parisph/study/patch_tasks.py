@@ -125,8 +125,7 @@ def tasks(study: PatchStudy, only: Sequence[str] = ()) -> list[Task]:
 
     only : words of operators, all if empty
 
-    Raises
-    ------
+    Raises:
     CaseError : a word of `only` is not in the study, a word has no part, or a part does not work in this number of
         dimensions
     """

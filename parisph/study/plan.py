@@ -34,8 +34,6 @@ LINE = 300    # characters of a line of a message
 class PlannedRun(Combination):
     """A run of a study, with its case.
 
-    Attributes
-    ----------
     case : Case; stored : its JSON text, which is what runs
     key : digest of the case, the ranks and parisph's own code: a finished run with the same key is not made again
     parts : Python files that register parts of methods, which the run needs
@@ -93,8 +91,6 @@ class PlannedRun(Combination):
 class Plan:
     """A study whose runs have all been checked.
 
-    Attributes
-    ----------
     study : Study; place : folder of its file
     runs : all its runs; chosen : those of --only
     folder : where it writes; limit : longest time of a run on the clock [s], None for any
@@ -122,8 +118,7 @@ def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequenc
     limit : longest time of a run on the clock [s], by default that of the study
     parts : Python files that register parts of methods, which have been read
 
-    Raises
-    ------
+    Raises:
     CaseError : a case, a measure or a limit of the study is wrong, with one line for each problem; or an argument is
     """
     case = (file.parent / study.case).resolve()
@@ -138,7 +133,8 @@ def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequenc
         stored = to_json(made)
         own = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
         needed = (*(str(Path(part).resolve()) for part in parts), *own)
-        runs.append(PlannedRun(**vars(one), case=made, stored=stored, key=_key(stored, one.ranks), parts=needed))
+        key = hashlib.blake2b(f"{stored}\n{one.ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
+        runs.append(PlannedRun(**vars(one), case=made, stored=stored, key=key, parts=needed))
         for line in _faults(study, made, file.parent):
             problems.setdefault(line, one.described())
     if problems:
@@ -170,10 +166,6 @@ def code_version() -> str:
         found.update(f"{path.relative_to(root)}\n".encode())
         found.update(path.read_bytes())
     return f"{parisph.__version__}+{found.hexdigest()}"
-
-
-def _key(text: str, ranks: int) -> str:
-    return hashlib.blake2b(f"{text}\n{ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
 
 
 def _case(path: Path, one: Combination) -> Case:

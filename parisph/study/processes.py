@@ -43,8 +43,6 @@ class Process:
 
     command : list of str; output : file that receives what it prints
 
-    Attributes
-    ----------
     code : exit code, or None while it runs; seconds : time on the clock so far
     stopped : whether `ask` or `kill` has ended it
     """

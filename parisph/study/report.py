@@ -57,7 +57,7 @@ def table(results: Sequence[Result], study: Study) -> str:
         ("time step", lambda group: group[0].run.step_text),
         *([("starts", lambda group: str(len(group)))] if several else []),
         *([("ranks", lambda group: str(group[0].run.ranks))] if on_several else []),
-        ("particles", lambda group: _count(group[0].values.get("particles"))), _column("steps", "steps", 6),
+        ("particles", lambda group: str(group[0].values.get("particles") or "-")), _column("steps", "steps", 6),
         *(_column(name, name, 3) for name in names), *(_column(*further) for further in FURTHER),
         ("volume", _volume), *(_column(*energy) for energy in ENERGIES),
         ("survived", _survived),
@@ -142,7 +142,3 @@ def _volume(group: Sequence[Result]) -> str:
 def _survived(group: Sequence[Result]) -> str:
     good = sum(one.survived for one in group)
     return "yes" if good == len(group) else "no" if len(group) == 1 else f"{good} of {len(group)}"
-
-
-def _count(value: float | None) -> str:
-    return "-" if value is None else str(int(value))

@@ -23,8 +23,6 @@ Item = TypeVar("Item")
 class Result:
     """What a run gave.
 
-    Attributes
-    ----------
     run, end : the run, and how it ended
     folder : of the run
     values : {column: number or None}: particles, steps, time [s], cpu_seconds (of all ranks together), wall_seconds,

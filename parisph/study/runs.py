@@ -28,8 +28,6 @@ FIRST_STEP = 1e-3    # of the end time: a run to there takes a step
 class End:
     """How a run ended.
 
-    Attributes
-    ----------
     key : of the PlannedRun; code : exit code; wall : [s] on the clock
     status : completed, diverged, out of time, failed
     reason : one line, "" for a completed run; limit : longest time that it was given [s], None for any

@@ -19,10 +19,8 @@ def read(path: AnyPath) -> tuple[Study | PatchStudy, Path]:
     path : a Python file with `study = Study(...)` or `study = PatchStudy(...)`, or a function `study()` that returns
         one; or a JSON file with the fields of a Study, or, with "kind": "patch", of a PatchStudy
 
-    Raises
-    ------
-    CaseError : the file or the study is wrong; says where and what to do. Any exception in the code of the file
-        (except KeyboardInterrupt) becomes a CaseError.
+    Raises CaseError: the file or the study is wrong; says where and what to do. Any exception in the code of the file
+    (except KeyboardInterrupt) becomes a CaseError.
     """
     file = paths.checked(path, "FILE")
     if not file.is_file():

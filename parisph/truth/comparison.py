@@ -45,8 +45,6 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
             rest: float | None = None) -> Comparison:
     """Return a probe beside a reference.
 
-    Parameters
-    ----------
     run : io.reader.Run
     reference : path of a text file with one header line, see base.reading.read_columns
     probe, column : names; may be left out where there is only one
@@ -57,9 +55,7 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
     best_shift : None, or the largest shift [s] either way that is tried for the best one
     rest : None, or the level at rest: the error is then relative to the wave alone
 
-    Raises
-    ------
-    CaseError : no such name, a number out of range, or series that do not overlap; StoreError : unreadable files
+    Raises CaseError: no such name, a number out of range, or series that do not overlap; StoreError : unreadable files
     """
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")

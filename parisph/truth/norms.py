@@ -1,4 +1,4 @@
-"""Errors of a time series against a reference, and the noise of a pressure trace.
+"""Errors of a time series against a reference.
 
 Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s] increase. Nothing here is
 collective. A series that cannot be evaluated raises ValueError.
@@ -54,9 +54,7 @@ def on_reference(time: Floats, value: Floats, reference_time: Floats, reference:
     time, value : (n,) of the run; reference_time, reference : (m,)
     shift : [s], added to the run's time, as for a gate that opens late
 
-    Raises
-    ------
-    ValueError : the two overlap in fewer than two samples of either
+    Raises ValueError: the two overlap in fewer than two samples of either
     """
     time, value = _series(time, value)
     reference_time, reference = _series(reference_time, reference)
@@ -107,8 +105,7 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
     shift : [s], added to the run's time
     rest : None, or the level at rest of a wave, in the probe's unit
 
-    Returns
-    -------
+    Returns:
     dict: relative_l2 (relative to the wave if `rest` is given), z14 (relative to all, with the level at rest), samples,
     start and end [s] of the compared window.
     """
@@ -117,32 +114,6 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
         "relative_l2": wave_relative_l2(found, truth, 0.0 if rest is None else rest),
         "z14": relative_l2(found, truth), "samples": len(t), "start": float(t[0]), "end": float(t[-1]),
     }
-
-
-def noise(time: Floats, pressure: Floats, window: tuple[float, float], smooth: float = 0.05) -> float:
-    """Return std(p - its moving mean) / mean(p) over a window of time: the noise of a pressure trace.
-
-    time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
-    window : (start, end) [s], outside which values have no influence
-    smooth : width of the moving mean [s], shortened at the ends of the window
-    """
-    t, p = cut(time, pressure, window)
-    mean = _area(t, p) / (t[-1] - t[0])
-    if mean <= 0.0:
-        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: "
-                         "noise relative to it has no meaning")
-    rough = p - _moving_mean(t, p, smooth)
-    average = _area(t, rough) / (t[-1] - t[0])
-    return float(np.sqrt(_area(t, (rough - average) ** 2) / (t[-1] - t[0])) / mean)
-
-
-def impulse(time: Floats, pressure: Floats, window: tuple[float, float]) -> float:
-    """Return the integral of the pressure over a window (start, end) [s]: [Pa s].
-
-    In the papers' units divide by rho g H sqrt(H/g).
-    """
-    t, p = cut(time, pressure, window)
-    return _area(t, p)
 
 
 def cut(time: Floats, value: Floats, window: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -186,11 +157,6 @@ def _moving_mean(t: Floats, p: Floats, width: float) -> Floats:
     low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
     mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
     return mean
-
-
-def _area(t: Floats, p: Floats) -> float:
-    """Return the integral of the piecewise linear function (t, p)."""
-    return float(np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2)
 
 
 def _integral(t: Floats, p: Floats, upto: Floats) -> Floats:

@@ -31,8 +31,7 @@ def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
 def errors(probe: ProbeArray, truth: Profiles, run: Recorded) -> dict[str, Any]:
     """Return the errors against all profiles of a truth together and against each, without a shift of time.
 
-    Returns
-    -------
+    Returns:
     dict: relative_l2 of all points; points; start, end [s]; mean and rms of run - reference [m]; profiles : the same
     of each, with its time [s]
 

@@ -44,16 +44,13 @@ def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, per
              depth: float | None = None, start: float | None = None, end: float | None = None) -> dict[str, Any]:
     """Return incident and reflected waves as {entry: value}.
 
-    Parameters
-    ----------
     probes : names of two gauges or more, in arrays as "gauges.x1"; default the two or three that separate best
     period : of regular waves [s]; default that of the wavemaker; without a regular one the waves are irregular
     depth : at the gauges [m]; default that of the wavemaker, or of the water at the start
     start, end : of the analysis [s]; default for regular waves at most the last ten periods, for irregular ones all
         after their arrival at the farthest gauge
 
-    Returns
-    -------
+    Returns:
     probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; regular; incident, reflected :
     heights [m], significant ones of irregular waves; coefficient, residual : relative. Waves towards +x are incident,
     unless the wavemaker faces -x. bands of irregular waves: frequency [Hz], incident, reflected [m2/Hz] and

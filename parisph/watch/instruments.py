@@ -17,19 +17,17 @@ from parisph.case.schema import Case
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch.passages import Passages
-from parisph.watch.sampling import Sampler, Scene, View
+from parisph.watch.sampling import ProbeScene, Sampler, View
 
 
 def build(case: Case, comm: Communicator) -> list[Sampler]:
     """Return the samplers of the case's probes, in their order. Collective.
 
-    Raises
-    ------
-    CaseError on every rank: a probe for 2D only in a case in three dimensions.
+    Raises CaseError on every rank: a probe for 2D only in a case in three dimensions.
     """
     error, samplers = None, []
     try:
-        scene = Scene.of(case)
+        scene = ProbeScene.of(case)
         samplers = [Sampler(probe, scene) for probe in case.probes]
     except CaseError as problem:
         error = problem

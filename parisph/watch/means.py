@@ -26,8 +26,6 @@ class Means:
     knot, which have no other on one side, it is the pressure of the step. Values are pressures at n places, or what is
     linear in them. Nothing is collective.
 
-    Parameters
-    ----------
     time : of the start [s]; values : (n,) then
     end : if the values are those of a step, and not of the start of a run: its end [s], with its middle as `time`
     """

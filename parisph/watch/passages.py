@@ -21,8 +21,6 @@ class Passages:
     A particle passes a line when its way from the start to the end of a step crosses it, whatever moves the particle.
     So the sum is the volume on the other side, without any error that grows.
 
-    Parameters
-    ----------
     case : whose probes with a `line` count, those in arrays too
     comm : communicator
     state : of an earlier part of the run (`state`)

@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.case.probes import Probe
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 REACH = 2.6    # spacings within which neighbours serve a point
 
@@ -24,7 +24,7 @@ class AtPoints(Probe):
         """The points (points, dim) [m]."""
         raise NotImplementedError
 
-    def columns_in(self, scene: Scene) -> dict[str, str]:
+    def columns_in(self, scene: ProbeScene) -> dict[str, str]:
         endings = [""] if len(self.places) == 1 else [f"_{k}" for k in range(len(self.places))]
         return {f"{name}{ending}": "Pa" if name == "p" else "m/s"
                 for ending in endings for name in (*"uvw"[:scene.dim], "p")}

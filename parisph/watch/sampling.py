@@ -30,7 +30,7 @@ if TYPE_CHECKING:    # a case is described without MPI and numba
 
 
 @dataclass(frozen=True)
-class Scene:
+class ProbeScene:
     """The data of a case that samplers need.
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
@@ -54,8 +54,8 @@ class Scene:
     kinds: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, case: Case) -> "Scene":
-        """Return the Scene of a Case."""
+    def of(cls, case: Case) -> "ProbeScene":
+        """Return the ProbeScene of a Case."""
         s, mesh = case.numerics.spacing, build.scene_mesh(case)
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.lattice_step(case), case.density,
@@ -98,7 +98,7 @@ class View:
     time : of the particles [s]; passages : what has passed lines in a run, None outside of one
     """
 
-    def __init__(self, particles: "Particles", domain: "Domain", scene: Scene, time: float,
+    def __init__(self, particles: "Particles", domain: "Domain", scene: ProbeScene, time: float,
                  passages: Passages | None = None) -> None:
         self.particles, self.domain, self.scene, self.time, self.passages = particles, domain, scene, time, passages
 
@@ -141,8 +141,6 @@ class View:
 class Sampler:
     """One probe of a run, or an array of them, with the columns of all.
 
-    Attributes
-    ----------
     name, title : str
     columns : dict of column name -> unit
     ghosts : fields of the ghosts that must be up to date
@@ -156,7 +154,7 @@ class Sampler:
     Raises CaseError for a probe that does not exist in as many dimensions as the scene has, or whose place does not.
     """
 
-    def __init__(self, probe: Probe, scene: Scene) -> None:
+    def __init__(self, probe: Probe, scene: ProbeScene) -> None:
         if scene.dim not in probe.dims:
             raise CaseError(f"probe {probe.name!r}: {getattr(probe, 'kind', '')} exists in 2D only; "
                             f"leave it out of a scene in {scene.dim}D")

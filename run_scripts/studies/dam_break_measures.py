@@ -9,6 +9,7 @@ from parisph.truth import norms
 
 UNIT = sqrt(1.0 / 9.81)     # sqrt(H/g) [s]
 WEIGHT = 1000.0 * 9.81      # rho g H [Pa]
+SMOOTH = 0.05               # width of the moving mean [s]
 CODES = {"Basilisk": "P2_basilisk_256", "interFoam": "P2_interfoam_25600"}
 COMPARED, IMPULSE, QUIET = (1.4, 3.4), (1.5, 2.6), (2.5, 3.9)    # t*
 
@@ -26,15 +27,27 @@ def against_finest(probe: str, start: float = 0.0, end: float = 10.0) -> FinestE
 
 
 def impulse(run) -> float:
-    """Return the impulse of P2 in 1.5 < t* < 2.6; the grid codes give 1.115 and 1.147."""
+    """Return the impulse of P2 in 1.5 < t* < 2.6, in rho g H sqrt(H/g); the grid codes give 1.115 and 1.147."""
     tap = run.probe("P2")
-    return norms.impulse(tap["time"] / UNIT, tap["pressure"] / WEIGHT, IMPULSE)
+    return _area(*norms.cut(tap["time"] / UNIT, tap["pressure"] / WEIGHT, IMPULSE))
 
 
 def noise(run) -> float:
-    """Return the noise of P2 in 2.5 < t* < 3.9."""
+    """Return the noise of P2 in 2.5 < t* < 3.9: std(p - its moving mean over SMOOTH) / mean(p)."""
     tap = run.probe("P2")
-    return norms.noise(tap["time"], tap["pressure"], tuple(time * UNIT for time in QUIET))
+    return noise_of(tap["time"], tap["pressure"], tuple(time * UNIT for time in QUIET))
+
+
+def noise_of(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float]) -> float:
+    """Return the noise of a trace (n,) in a window (start, end) [s]; steps may be of any length."""
+    t, p = norms.cut(time, pressure, window)
+    rough, length = p - norms.moving_mean(t, p, SMOOTH), t[-1] - t[0]
+    rough -= _area(t, rough) / length
+    return float(np.sqrt(_area(t, rough**2) / length) / (_area(t, p) / length))
+
+
+def _area(t, p):
+    return float(np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2)
 
 
 def energy_at(time: float) -> Function:

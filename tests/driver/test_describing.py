@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Airy, Case, Flap, Fluid, Numerics, Profile, StillWater
 from parisph.base import memory
@@ -15,7 +14,6 @@ from parisph.base.errors import CaseError
 from parisph.case import measured_data
 from parisph.case.time_scales import stable_time_step
 from parisph.driver import describe, progress
-from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
 from parisph.kernels import jit
@@ -215,20 +213,6 @@ def test_a_line_before_kernels_are_compiled_and_one_after(clock, monkeypatch, ca
     with Progress(10.0, True, stream=screen) as shown:
         stepped(shown, clock, (1.0, 2.0))    # nothing is compiled, and nothing told
     assert len(caplog.messages) == 1 and jit.COMPILATION.before is None
-
-
-def test_phases_count_cpu_time(monkeypatch):
-    held = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("parisph.driver.phases.process_time", lambda: held.now)
-    timers = PhaseTimers()
-    for _ in range(2):
-        with timers("solve"), timers("solve"):
-            held.now += 1.5
-    with pytest.raises(ZeroDivisionError), timers("store"):
-        held.now += 1.0
-        1 / 0
-    assert timers.reduce_cpu(MPI.COMM_SELF) == {"solve": 3.0, "store": 1.0}
-    assert set(timers.seconds) == {"solve", "store"}
 
 
 def test_memory_of_who_started_the_run_is_not_counted(tmp_path):

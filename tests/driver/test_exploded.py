@@ -6,7 +6,8 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged, exit_code
-from parisph.driver import exploded, run
+from parisph.driver import run
+from parisph.driver.diagnostics import Diagnostics
 from tests.scenes import scene
 
 
@@ -28,7 +29,8 @@ def test_a_run_that_explodes_says_so_at_once_and_fails_soon(tmp_path):
 def test_only_energy_without_a_source_is_an_explosion(driven, start, kinetic, fails):
     conservation = SimpleNamespace(driven=driven, energy=SimpleNamespace(start=start),
                                    kinetic=SimpleNamespace(now=kinetic))
+    checks = SimpleNamespace(conservation=conservation, _preset="gentle")
     if not fails:
-        return exploded.check(conservation, "gentle")
+        return Diagnostics.check(checks)
     with pytest.raises(SolverDiverged, match='105 times all energy.*smaller spacing.*preset="violent"'):
-        exploded.check(conservation, "gentle")
+        Diagnostics.check(checks)

@@ -5,20 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from parisph import (
-    Box,
-    Case,
-    Energy,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Output,
-    Piston,
-    Profile,
-    Roll,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, Energy, Fluid, Numerics, Obstacle, Output, Piston, Profile, Roll, Sway, Tank
 from parisph.base.errors import ParticleLost
 from parisph.base.fields import FLUID
 from parisph.driver import wall_penetration

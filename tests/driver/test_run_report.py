@@ -13,29 +13,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    Energy,
-    Fluid,
-    Numerics,
-    PeakBand,
-    Peaks,
-    PressureTap,
-    ProbeArray,
-    Profiles,
-    Sponge,
-    SurfaceGauge,
-    Sway,
-    Tank,
-    Truth,
-    load,
-    run,
-)
-from parisph.base.errors import StoreError
+from parisph import Case, Energy, Fluid, Numerics, PressureTap, ProbeArray, Profiles, Sponge, SurfaceGauge, load, run
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import FLUID, WALL
 from parisph.base.json_digest import with_digest
+from parisph.case.motion import Sway
+from parisph.case.shapes import Box, Tank
+from parisph.case.truths import PeakBand, Peaks, Truth
 from parisph.io.layout import INDEX
 from parisph.io.reader import open_run
 from parisph.report import conditions, energies, gallery, page

@@ -8,8 +8,6 @@ from pathlib import Path
 class Attempt:
     """A command line that must be refused.
 
-    Attributes
-    ----------
     what : for people
     words : the command line behind `parisph`; '{run}' in it stands for a sound run, not to be changed
     says : texts of which the message must hold one: the field, or the path

@@ -15,8 +15,6 @@ SHOWN = 20    # misbehaviours of a part that are printed
 class Part:
     """One kind of fault.
 
-    Attributes
-    ----------
     what : a few words for the table
     attempts : how many the whole campaign makes
     make : function(count, random, folder) that makes `count` attempts in an empty folder and yields, for

@@ -20,8 +20,6 @@ NEAR = 2.1    # spacings: the reach of velocity gradients
 class Bench:
     """Runs the flows of one scene on one rank, and counts their steps and CPU seconds.
 
-    Attributes
-    ----------
     seed : of jittered starts
     steps, cpu_seconds : of all flows so far; the time of measuring is in them
     """

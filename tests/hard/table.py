@@ -13,8 +13,6 @@ ENDED = "came to its end"
 class Line:
     """One measured quantity of a scene.
 
-    Attributes
-    ----------
     what : the quantity
     value : number
     must, aim : what is required and what is aimed at, None for a report only
@@ -30,23 +28,26 @@ class Line:
     @property
     def met(self) -> bool | None:
         """Whether the requirement is met, None where there is none. A number that is not one meets nothing."""
-        return None if self.must is None else self._within(self.must)
+        return self._within(self.must)
 
     @property
     def reached(self) -> bool | None:
         """Whether the aim is reached, None where there is none."""
-        return None if self.aim is None else self._within(self.aim)
+        return self._within(self.aim)
 
     def _within(self, limit):
-        return bool(self.value >= limit if self.least else self.value <= limit)
+        return None if limit is None else bool(self.value >= limit if self.least else self.value <= limit)
+
+    def limits(self) -> tuple[str, str]:
+        """Return what is required and what is aimed at, as text."""
+        return tuple("" if limit is None else f"{'>=' if self.least else '<='} {limit:g}"
+                     for limit in (self.must, self.aim))
 
 
 @dataclass
 class Outcome:
     """What became of a scene.
 
-    Attributes
-    ----------
     scene, seed : its name, and which start
     ended : ENDED, "stopped: MESSAGE" for an error of parisph, "failed: ..." for anything else
     may_stop : whether it may stop with an error of parisph, which names cause and remedy
@@ -88,13 +89,13 @@ def text(outcomes: list[Outcome]) -> str:
 def _entry(name, starts):
     label = name if len(starts) == 1 else f"{name}, {len(starts)} starts"
     ends = "; ".join(dict.fromkeys(_cell(found.ended) for found in starts))
-    yield (f"| {label} | {ends} | | | | {_verdict(all(found.ended_well for found in starts), None)} "
+    yield (f"| {label} | {ends} | | | | {verdict(all(found.ended_well for found in starts), None)} "
            f"| {sum(found.steps for found in starts)} | {sum(found.cpu_seconds for found in starts):.1f} |")
     for what in dict.fromkeys(line.what for found in starts for line in found.lines):
         same = [line for found in starts for line in found.lines if line.what == what]
         met, reached = _all(line.met for line in same), _all(line.reached for line in same)
-        yield (f"| {label} | {what} | {_range([line.value for line in same])} | {_limit(same[0].must, same[0].least)} "
-               f"| {_limit(same[0].aim, same[0].least)} | {_verdict(met, reached)} | | |")
+        yield (f"| {label} | {what} | {spread([line.value for line in same])} | {' | '.join(same[0].limits())} "
+               f"| {verdict(met, reached)} | | |")
 
 
 def _all(verdicts):
@@ -125,14 +126,12 @@ def _cell(words):
     return " ".join(words.replace("|", "/").split())
 
 
-def _range(values):
+def spread(values) -> str:
+    """Return the least and the greatest of some values as text, nan if one is."""
     ends = dict.fromkeys(f"{value:.4g}" for value in (min(values), max(values)))
     return " to ".join(ends) if all(value == value for value in values) else "nan"
 
 
-def _limit(limit, least):
-    return "" if limit is None else f"{'>=' if least else '<='} {limit:g}"
-
-
-def _verdict(met, reached):
+def verdict(met: bool | None, reached: bool | None) -> str:
+    """Return whether a requirement is met and an aim is reached, as text."""
     return {None: "", True: "ok", False: "NO"}[met] + {None: "", True: " (aim)", False: ""}[reached]

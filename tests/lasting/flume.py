@@ -5,26 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.case.absorb import Relaxation, Sponge, Zone
-from parisph.case.schema import (
-    Box,
-    Case,
-    Flap,
-    Fluid,
-    Heave,
-    Numerics,
-    Obstacle,
-    Piston,
-    Profile,
-    StillWater,
-    Tank,
-)
+from parisph.case.schema import Box, Case, Flap, Fluid, Heave, Numerics, Obstacle, Piston, Profile, StillWater, Tank
 from parisph.case.waves import StreamFunction, angular_frequency
 from parisph.case.waves.wavefield import WaveField
 from tests.hard.table import Line
 from tests.lasting.harmonics import by_period
-from tests.lasting.long import Record, Setting, gauges
+from tests.lasting.long import DENSITY, DEPTH, G, Record, Setting, gauges, of_level
 
-G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 TOP = 1.6           # of the walls / d
 BEHIND = 0.5        # bed behind a wavemaker / d
 SPONGE = 1.5        # wavelengths: a wave comes back with less than a hundredth of its height
@@ -124,5 +111,4 @@ def level_lines(record: Record, period: float, height: float, due: float = 0.0) 
     level = by_period(record.time, record.gauges[:, -ALONG:].mean(axis=1), period)
     if not len(level.mean):
         return []
-    return [Line("level / H at the end", (level.mean[-1] - due) / height),
-            Line("level, largest size", np.abs(level.mean - due).max() / height, 0.03)]
+    return of_level(level.mean - due, height, "H", 0.03)

@@ -1,17 +1,19 @@
 """A long run: the scene, what is watched in it, and how it ended."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from parisph import Case, Energy, SurfaceGauge
+from parisph import Box, Case, Energy, Fluid, Numerics, SurfaceGauge, Tank
 from parisph.base.errors import ParisphError
 from parisph.watch import instruments
 from tests.hard.flow import Bench, nearest
 from tests.hard.table import ENDED, Line
 
+G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # of water and its depth, in SI units
 SAMPLES = 40    # of a period, at most: one in each step if there are fewer
 
 
@@ -107,12 +109,21 @@ def _record(rows, lost, until, end):
     return Record(t, np.array(elevations).T, kinetic, total, closest, lost, until, end)
 
 
-def walls(depth: float, count: float, over: float = 0.5) -> float:
-    """Return the height of walls over a depth [m] of so many spacings, which is whole spacings, too [m].
+def tank(title: str, length: float, values: Mapping[str, float], setting: Setting, places: Iterable[float],
+         end_time: float, preset: str = "gentle", over: float = 0.5, start: Mapping[str, Any] | None = None,
+         **more: Any) -> Case:
+    """Return a case of water DEPTH deep in a tank of a length [m], with gauges at places x (n,) [m].
 
-    over : what they are higher than the water, over the depth
+    values : of the axes, among them "depth" over the spacing and maybe "jitter"
+    over : about what the walls are higher than the water, over the depth; start : of the Fluid; more : of the Case
     """
-    return depth * (1.0 + round(over * count) / count)
+    count = values["depth"]
+    return Case(
+        title=title, fluid=Fluid(Box(width=length, height=DEPTH), density=DENSITY, **(start or {})), gravity=(0.0, -G),
+        walls=Tank(width=length, height=DEPTH * (1.0 + round(over * count) / count)),
+        numerics=Numerics(preset=setting.preset or preset, spacing=DEPTH / count, jitter=values.get("jitter", 0.0),
+                          seed=1, time_step=setting.time_step(DEPTH, G)),
+        probes=gauges(places), end_time=end_time, **more)
 
 
 def gauges(places: Iterable[float]) -> list[SurfaceGauge]:
@@ -127,3 +138,9 @@ def common(record: Record, period: float, periods: float, apart: float | None = 
     """
     return [Line("periods", record.until / period, 0.99 * periods, least=True),
             Line("closest pair / s", record.closest.min(), apart, least=True), Line("lost", record.lost, 0)]
+
+
+def of_level(level: np.ndarray, unit: float, word: str, most: float | None) -> list[Line]:
+    """Return lines on the error of a mean level (n,) [m], over a unit [m] that a word names. most : that is required"""
+    return [Line(f"level / {word} at the end", level[-1] / unit),
+            Line("level, largest size", np.abs(level).max() / unit, most)]

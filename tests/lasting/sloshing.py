@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
+from parisph.case.schema import Sway
 from parisph.case.waves import Sloshing, angular_frequency
 from tests.hard.table import Line
 from tests.lasting.harmonics import by_period
-from tests.lasting.long import SAMPLES, Long, Record, Setting, common, gauges, walls
+from tests.lasting.long import DEPTH, SAMPLES, G, Long, Record, Setting, common, of_level, tank
 
-G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 LENGTH = 2.0 * DEPTH
 GAUGES = 8
 
@@ -25,12 +24,8 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     period, periods = 2.0 * np.pi / frequency, setting.periods or PERIODS
     wave = Sloshing(length=LENGTH, depth=DEPTH, amplitude=a, frequency=frequency)
     places = [0.0, *(np.arange(GAUGES) + 0.5) * LENGTH / GAUGES]
-    case = Case(
-        title="A tank that sways", fluid=Fluid(Box(width=LENGTH, height=DEPTH), density=DENSITY), gravity=(0.0, -G),
-        walls=Tank(width=LENGTH, height=walls(DEPTH, values["depth"])), frame=Sway(amplitude=a, frequency=frequency),
-        numerics=Numerics(preset=setting.preset or "gentle", spacing=DEPTH / values["depth"],
-                          time_step=setting.time_step(DEPTH, G)),
-        probes=gauges(places), end_time=periods * period)
+    case = tank("A tank that sways", LENGTH, values, setting, places, periods * period,
+                frame=Sway(amplitude=a, frequency=frequency))
     t = np.arange(0.0, BEATS * period, period / SAMPLES)
     height = np.ptp(wave.elevation(0.0, t))    # of the undamped wave, which beats for ever
 
@@ -39,8 +34,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         level = by_period(record.time, record.gauges[:, 1:].mean(axis=1), period)
         found = common(record, period, periods)
         if len(level.mean):
-            found += [Line("level / H at the end", level.mean[-1] / height),
-                      Line("level, largest size", np.abs(level.mean).max() / height, 0.05)]
+            found += of_level(level.mean, height, "H", 0.05)
         if len(heights):
             found += [Line("height / linear, first 12 periods", heights[0]),
                       Line("last 12 periods", heights[-1]), Line("highest 12 periods", heights.max())]

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.waves import SolitaryWave
 from tests.hard.table import Line
-from tests.lasting.long import Long, Record, Setting, common, gauges, walls
+from tests.lasting.long import DEPTH, Long, Record, Setting, common, of_level, tank
 
-G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 TAIL = 6.0     # exp(-TAIL): of the height, what is at the walls when the wave starts in the middle
 GAUGES = 24    # in the middles of equal parts of the tank
 
@@ -22,11 +20,8 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     wave = SolitaryWave(height=a, depth=DEPTH, at=0.5 * length)
     period, times = length / wave.celerity, setting.periods or PERIODS
     places = [0.5 * length, *(np.arange(GAUGES) + 0.5) * length / GAUGES]
-    case = Case(
-        title="A solitary wave between walls", fluid=Fluid(Box(width=length, height=DEPTH), density=DENSITY, wave=wave),
-        walls=Tank(width=length, height=walls(DEPTH, values["depth"], 1.0)), gravity=(0.0, -G),
-        numerics=Numerics(preset=setting.preset or "solitary", spacing=s, time_step=setting.time_step(DEPTH, G)),
-        probes=gauges(places), end_time=times * period)
+    case = tank("A solitary wave between walls", length, values, setting, places, times * period, "solitary", over=1.0,
+                start={"wave": wave})
 
     def measure(record: Record) -> list[Line]:
         crests = np.array([record.gauges[_passing(record.time, n, period), 0].max() for n in range(1, int(times) + 1)
@@ -39,8 +34,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         if len(crests):
             found += [Line("crest / a, first reflection", crests[0] / a),
                       Line("last reflection", crests[-1] / a), Line("lowest crest / a", crests.min() / a)]
-        return [*found, Line("level / a at the end", (mean[-1] - mean[0]) / a),
-                Line("level, largest size", np.abs(mean - mean[0]).max() / a, 0.05)]
+        return [*found, *of_level(mean - mean[0], a, "a", 0.05)]
     return Long(case, DEPTH, period, measure)
 
 

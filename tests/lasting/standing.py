@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.waves import angular_frequency, standing_wave_start
 from tests.hard.table import Line
 from tests.lasting.harmonics import by_period, loss
-from tests.lasting.long import Long, Record, Setting, common, gauges, walls
+from tests.lasting.long import DENSITY, DEPTH, G, Long, Record, Setting, common, of_level, tank
 
-G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 GAUGES = 8      # in the middles of equal parts of the tank: their mean is free of the first 15 modes
 LONGEST = 2.0   # depths: a tank has as many half waves as it needs to be at least as long
 
@@ -25,13 +23,8 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     period = 2.0 * np.pi / float(angular_frequency(k, DEPTH, G))
     periods = setting.periods or (VIOLENT_PERIODS if preset == "violent" else PERIODS)
     places = (np.arange(GAUGES) + 0.5) * length / GAUGES
-    case = Case(
-        title="A standing wave",
-        fluid=Fluid(Box(width=length, height=DEPTH), density=DENSITY, velocity=standing_wave_start(a, k, DEPTH, G)),
-        walls=Tank(width=length, height=walls(DEPTH, values["depth"])), gravity=(0.0, -G),
-        numerics=Numerics(preset=preset, spacing=s, jitter=values["jitter"], seed=1,
-                          time_step=setting.time_step(DEPTH, G)),
-        probes=gauges(places), end_time=periods * period)
+    case = tank("A standing wave", length, values, setting, places, periods * period,
+                start={"velocity": standing_wave_start(a, k, DEPTH, G)})
 
     def measure(record: Record) -> list[Line]:
         mode = 2.0 * record.gauges @ np.cos(k * places) / GAUGES
@@ -50,8 +43,7 @@ def _lines(waves, level, a, values, preset):
             if violent else
             Line("loss in 50 periods", loss(waves.first, 50.0), 0.15 if fine else 0.4, 0.05 if fine else None))
     return [Line("lowest amplitude / a", waves.first.min() / a), Line("highest amplitude / a", waves.first.max() / a),
-            lost, Line("level / a at the end", level.mean[-1] / a),
-            Line("level, largest size", np.abs(level.mean).max() / a, None if violent else 0.03 if fine else 0.05)]
+            lost, *of_level(level.mean, a, "a", None if violent else 0.03 if fine else 0.05)]
 
 
 def _energies(record, length, preset):

@@ -1,6 +1,6 @@
 """The table of long runs: one row for each, one table for each part."""
 
-from tests.hard.table import ENDED, Line, Outcome
+from tests.hard.table import ENDED, Outcome
 
 
 def text(outcomes: list[Outcome], before: list[Outcome] | None = None) -> str:
@@ -27,12 +27,8 @@ def _table(outcomes, earlier):
 
 
 def _head(what, outcomes):
-    limits = {_limit(line) for found in outcomes for line in found.lines if line.what == what} - {""}
+    limits = {line.limits()[0] for found in outcomes for line in found.lines if line.what == what} - {""}
     return f"{what} ({', '.join(sorted(limits))})" if limits else what
-
-
-def _limit(line: Line):
-    return "" if line.must is None else f"{'>=' if line.least else '<='} {line.must:g}"
 
 
 def _cell(what, found, old):

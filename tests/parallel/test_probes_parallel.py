@@ -30,7 +30,7 @@ from parisph.driver.solid_walls import elements_of
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.particles import Particles
 from parisph.watch import instruments
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 from tests.driver.test_flux import counted_and_behind, over_a_plate
 from tests.watched import DENSITY, G, Watch, scene
 
@@ -154,9 +154,10 @@ def test_ranks_without_particles_take_part(comm):
 
 
 def test_what_exists_in_2d_only_is_refused_on_every_rank(comm, monkeypatch):
-    real = Scene.of
-    cube = Scene(3, 0.1, np.full(3, 0.1), 1.0, np.zeros(3), np.ones(3), True, np.zeros(3))
-    monkeypatch.setattr(Scene, "of", classmethod(lambda cls, case: cube if comm.rank == comm.size - 1 else real(case)))
+    real = ProbeScene.of
+    cube = ProbeScene(3, 0.1, np.full(3, 0.1), 1.0, np.zeros(3), np.ones(3), True, np.zeros(3))
+    last = comm.rank == comm.size - 1
+    monkeypatch.setattr(ProbeScene, "of", classmethod(lambda cls, case: cube if last else real(case)))
     with pytest.raises(CaseError, match="'volume': volume exists in 2D only"):
         instruments.build(scene([Volume(name="volume")]), comm)
 

@@ -4,22 +4,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    Energy,
-    Fluid,
-    Friction,
-    Lid,
-    Numerics,
-    Output,
-    Simulation,
-    StillWater,
-    Tank,
-    driver,
-    open_run,
-)
+from parisph import Box, Case, Energy, Fluid, Friction, Lid, Numerics, Output, Simulation, Tank, driver, open_run
 from parisph.base.fields import FLUID
+from parisph.case.bodies import StillWater
 from parisph.case.stored import from_json, to_json
 from parisph.driver.preview import describe
 from parisph.io import checkpoint

@@ -2,12 +2,11 @@
 
 import pytest
 
-from tests.hard.one import outcome
 from tests.hard.scenes import QUICK
 from tests.hard.table import text
 
 
 @pytest.mark.parametrize("name", QUICK)
 def test_quick_selection(name):
-    found = outcome(name, QUICK[name])
+    found = QUICK[name].outcome(name)
     assert found.lines and found.met, text([found])

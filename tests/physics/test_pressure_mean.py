@@ -4,23 +4,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    Disc,
-    Fluid,
-    Force,
-    Momentum,
-    Numerics,
-    Obstacle,
-    Output,
-    PressureTap,
-    ProbeArray,
-    StillWater,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, Disc, Fluid, Force, Momentum, Numerics, Output, PressureTap, ProbeArray, Tank
 from parisph.base.fields import FLUID
+from parisph.case.bodies import Obstacle, StillWater
+from parisph.case.motion import Sway
 from parisph.driver import restart, run
 from parisph.io import reader
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time

@@ -4,23 +4,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    AtRest,
-    Box,
-    Case,
-    CaseError,
-    Disc,
-    Energy,
-    Fluid,
-    Numerics,
-    Polygon,
-    Roll,
-    Series,
-    StillWater,
-    SurfaceGauge,
-    Tabulated,
-    Tank,
-)
+from parisph import Box, Case, CaseError, Disc, Energy, Fluid, Numerics, Polygon, StillWater, SurfaceGauge, Tank
+from parisph.case.motion import AtRest, Roll, Series, Tabulated
 from parisph.case.motion.rigid import rotated
 from parisph.case.waves import angular_frequency
 from parisph.driver import Simulation, restart, run

@@ -4,22 +4,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    Disc,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Plate,
-    Profile,
-    Roll,
-    Simulation,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-)
+from parisph import Box, Case, Disc, Fluid, Numerics, Simulation, SurfaceGauge, Tank
 from parisph.base.fields import FLUID
+from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
+from parisph.case.motion import Roll
 from tests import viscous_flows as flows
 
 G, NU = 9.81, 0.01

@@ -4,23 +4,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Case,
-    Flap,
-    Fluid,
-    Jonswap,
-    Numerics,
-    Output,
-    Piston,
-    Profile,
-    Sponge,
-    StillWater,
-    Stokes,
-    SurfaceGauge,
-    WaveTruth,
-    open_run,
-    run,
-)
+from parisph import Case, Fluid, Numerics, Output, Sponge, SurfaceGauge, WaveTruth, open_run, run
+from parisph.case.bodies import Flap, Piston, Profile, StillWater
+from parisph.case.waves import Jonswap, Stokes
 
 DEPTH, PERIOD, AT, END = 0.25, 1.1, 1.0, 6.0    # [m], [s]
 CALM = 3.0    # [s] until the ramp and the first waves are past the gauge

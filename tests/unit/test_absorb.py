@@ -8,7 +8,7 @@ import pytest
 from parisph import Airy, Box, Case, CaseError, Fluid, Numerics, Relaxation, SolitaryWave, Sponge, Tank
 from parisph.case.absorb import Absorber, group_velocity
 from parisph.case.stored import from_json, to_json
-from parisph.driver.preview import stages
+from parisph.driver.precheck import stages
 from parisph.methods.absorbing import Absorption
 
 ENDS, LEVEL, DEPTH, G = (0.0, 10.0), 0.7, 0.5, 9.81

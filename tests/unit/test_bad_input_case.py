@@ -5,24 +5,10 @@ import time
 
 import pytest
 
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    ColumnHeight,
-    Disc,
-    Energy,
-    Fluid,
-    Numerics,
-    Output,
-    Polygon,
-    PressureTap,
-    SurfaceGauge,
-    Sway,
-    Tabulated,
-    Tank,
-    Truth,
-)
+from parisph import Case, CaseError, ColumnHeight, Energy, Fluid, Numerics, Output, PressureTap, SurfaceGauge
+from parisph.case.motion import Sway, Tabulated
+from parisph.case.shapes import Box, Disc, Polygon, Tank
+from parisph.case.truths import Truth
 from parisph.geometry import scene_checks
 
 BOX = {"kind": "box", "width": 1.0, "height": 1.0}

@@ -4,26 +4,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    Disc,
-    Fluid,
-    Force,
-    Heave,
-    Numerics,
-    Obstacle,
-    Piston,
-    Polygon,
-    PressureTap,
-    Profile,
-    RunUp,
-    Simulation,
-    StillWater,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, CaseError, Disc, Fluid, Force, Numerics, Polygon, PressureTap, RunUp, Simulation, Tank
+from parisph.case.bodies import Obstacle, Piston, Profile, StillWater
+from parisph.case.motion import Heave, Sway
 from parisph.geometry.mesh import CONVEX
 from parisph.geometry.movers import MovedNodes
 from parisph.methods.rigid_bodies import PressureLoad, node_pressures

@@ -8,27 +8,12 @@ import numpy as np
 import pytest
 
 import parisph
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    Disc,
-    Energy,
-    Fluid,
-    Numerics,
-    Output,
-    PeakBand,
-    PressureTap,
-    SurfaceGauge,
-    Sway,
-    Tabulated,
-    Tank,
-    Truth,
-)
+from parisph import Box, Case, CaseError, Disc, Energy, Fluid, Numerics, Output, PressureTap, SurfaceGauge, Tank
 from parisph.case.methods import METHODS
+from parisph.case.motion import Sway, Tabulated
 from parisph.case.schema import PRESETS
 from parisph.case.time_scales import stable_time_step
-from parisph.case.truths import read_truth
+from parisph.case.truths import PeakBand, Truth, read_truth
 from tests.launch import clean_environment
 
 

@@ -88,7 +88,7 @@ def test_small_sloshing(spacing, count):
     case = load(CASES / "small_sloshing.py", {"spacing": spacing})
     assert geometry.counts(case)["fluid"] == count
     omega = 0.8 * waves.angular_frequency(np.pi, 0.5)
-    assert case.frame.acceleration(0.0) == pytest.approx([0.0005 * omega**2, 0.0])
+    assert case.frame.law(0.0)[2] == pytest.approx(0.0005 * omega**2)
     t, eta = read_truth(case.probes[0].truth)
     series = waves.sway_sloshing_elevation(0.0, t, 1.0, 0.5, 0.0005, omega)
     assert np.linalg.norm(eta - 0.5 - series) < 0.005 * np.linalg.norm(series)

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE
 from parisph.case.waves import SolitaryWave
-from parisph.truth import crests
+from run_scripts.studies import solitary_measures as crests
 
 WAVE = SolitaryWave(height=0.05, depth=0.25, at=2.0)
 

@@ -5,21 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    ColumnHeight,
-    Energy,
-    Fluid,
-    Numerics,
-    PressureTap,
-    Roll,
-    SurfaceGauge,
-    Tank,
-    VelocityPoint,
-    WaterFront,
-)
+from parisph import Case, ColumnHeight, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, VelocityPoint, WaterFront
+from parisph.base.errors import CaseError
+from parisph.case.motion import Roll
+from parisph.case.shapes import Box, Tank
 from parisph.pictures import curves, style
 from tests.stored import stored
 
@@ -147,7 +136,7 @@ def test_a_long_legend_is_as_high_as_its_panel(tmp_path):
 
 
 def test_of_very_many_lines_the_first_and_the_last_are_named(tmp_path):
-    picture = curves.plot_probe([recorded(tmp_path / f"run_{number}", ("energy",)) for number in range(25)])
+    picture = curves.plot_probe(tuple(recorded(tmp_path / f"run_{number}", ("energy",)) for number in range(25)))
     axes, = picture.axes
     assert axes.get_legend() is None and picture.get_figwidth() == 8.0
     assert axes.get_title(loc="right") == "50 lines, from run_0, kinetic to run_24, potential"

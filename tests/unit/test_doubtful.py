@@ -7,37 +7,14 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Airy,
-    Box,
-    Case,
-    CaseError,
-    Fluid,
-    Force,
-    Heave,
-    Jonswap,
-    Numerics,
-    Obstacle,
-    Output,
-    Piston,
-    PistonStroke,
-    Plate,
-    Relaxation,
-    Roll,
-    RunUp,
-    Series,
-    SolitaryWave,
-    Sponge,
-    StandingWave,
-    StillWater,
-    Stokes,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, CaseError, Fluid, Force, Numerics, Output, Relaxation, RunUp, Sponge, Tank
+from parisph.case.bodies import Obstacle, Piston, Plate, StillWater
 from parisph.case.doubtful import doubts
 from parisph.case.load import load
+from parisph.case.motion import Heave, PistonStroke, Roll, Series, Sway
 from parisph.case.wave_sizes import size_of, sizes, strain_rate
-from parisph.driver import Simulation, ahead, describe, run
+from parisph.case.waves import Airy, Jonswap, SolitaryWave, StandingWave, Stokes
+from parisph.driver import Simulation, describe, precheck, run
 from tests.lasting import obstacles
 from tests.lasting.long import Setting
 
@@ -203,7 +180,7 @@ def test_a_run_and_its_check_refuse_the_same(name):
 def test_the_viscosity_that_is_advised_is_accepted():
     case = scene(Fluid(StillWater(level=0.5), density=1000.0, viscosity=1e20))
     with pytest.raises(CaseError, match="use at most ") as refused:
-        ahead.check(case)
+        precheck.check(case)
     most = float(str(refused.value).partition("use at most ")[2].split()[0])
     assert "about " in describe(case.changed(**{"fluid.viscosity": most}))
 
@@ -217,7 +194,7 @@ def test_irregular_waves_for_days_are_checked_at_once():
 
 def test_a_run_carries_what_was_doubtful(tmp_path):
     case = still(0.03, numerics=Numerics(spacing=0.05), end_time=0.05)
-    told = [text for text in ahead.doubts(case, {"all": 1}, ahead.scales.expected(case))]
+    told = [text for text in precheck.early_warnings(case, {"all": 1}, precheck.scales.expected(case))]
     summary = run(case, MPI.COMM_SELF, str(tmp_path / "run"), progress=False)
     assert len(told) == 1 and summary["warnings"] == told and summary["status"] == "completed with warnings"
     assert told[0] in (tmp_path / "run" / "run.log").read_text()

@@ -8,10 +8,9 @@ import pytest
 
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE
-from tests.hard import __main__ as command
+from tests import apart
 from tests.hard import columns, drops, flow, scenes, table, waves
 from tests.hard.impulse import lost_energy
-from tests.hard.one import outcome
 from tests.hard.scene import Scene
 from tests.hard.table import Line, Outcome
 
@@ -97,23 +96,24 @@ def fails(error):
     (IndexError("out of bounds"), True, "failed: IndexError: out of bounds", False),
 ])
 def test_scene_that_stops(error, may_stop, ended, met):
-    found = outcome("x", Scene("x", fails(error), may_stop=may_stop))
+    found = Scene("x", fails(error), may_stop=may_stop).outcome("x")
     assert (found.ended, found.met, found.steps) == (ended, met, 3)
 
 
 @pytest.mark.parametrize(("name", "limit", "ended"), [
     ("columns-1-wall", 0.05, "failed: not finished after 0.05 s"), ("nothing", 60.0, "failed: exit code 1")])
-def test_process_that_fails(tmp_path, name, limit, ended):
-    found = command.apart(name, 2, {name: Scene("x", None, limit=limit, jittered=True)}, False, tmp_path)
+def test_process_that_fails(monkeypatch, name, limit, ended):
+    monkeypatch.setitem(scenes.SCENES, name, Scene("x", None, limit=limit))    # here, not in the process
+    found = apart.apart(scenes.Start(name, 2))
     assert (found.scene, found.seed, found.ended, found.met) == (name, 2, ended, False)
 
 
 def test_names():
     first = [f"columns-1-{where}" for where in columns.WHERE]
-    assert scenes.chosen(["columns-1", "vortex"], scenes.SCENES) == [*first, "vortex"]
-    assert scenes.chosen([], scenes.QUICK) == list(scenes.QUICK)
-    with pytest.raises(ValueError, match="no case column "):
-        scenes.chosen(["column"], scenes.SCENES)
+    assert apart.chosen(["columns-1", "vortex"], [*scenes.SCENES]) == [*first, "vortex"]
+    assert apart.chosen([], [*scenes.QUICK]) == list(scenes.QUICK)
+    with pytest.raises(ValueError, match="no column among "):
+        apart.chosen(["column"], [*scenes.SCENES])
 
 
 @pytest.mark.parametrize("where", columns.WHERE)

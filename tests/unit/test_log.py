@@ -69,9 +69,10 @@ def test_stop_leaves_the_logger_as_it_was():
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that moves when told: clock.now += seconds."""
+    """A clock that moves when told: clock.now += seconds, of which half are of the processor."""
     held = SimpleNamespace(now=100.0)
     monkeypatch.setattr(log, "perf_counter", lambda: held.now)
+    monkeypatch.setattr(log, "process_time", lambda: 0.5 * held.now)
     return held
 
 
@@ -83,7 +84,7 @@ def test_phases_add_up_and_nest(clock):
                 clock.now += 3.0
             with timers("step"):  # inside itself: counted once
                 clock.now += 0.5
-    assert timers.seconds == {"step": 7.0, "solve": 6.0}
+    assert timers.seconds == {"step": 7.0, "solve": 6.0} and timers.cpu == {"step": 3.5, "solve": 3.0}
     assert list(timers.seconds) == ["step", "solve"]
 
 
@@ -98,7 +99,8 @@ def test_a_phase_that_raises_is_counted_and_closed(clock):
 
 def test_reduce_takes_phases_of_all_ranks():
     timers = Timers()
-    timers.seconds = {"solve": 3.0, "record": 1.0}
-    found = timers.reduce(Ranks(["solve", "wait"], [1.0, 0.0, 4.0]))
-    assert found == {"solve": {"max": 3.0, "mean": 2.0}, "record": {"max": 1.0, "mean": 0.5},
-                     "wait": {"max": 4.0, "mean": 2.0}}
+    assert timers.reduce(Ranks([], [])) == {}
+    timers.seconds, timers.cpu = {"solve": 3.0, "record": 1.0}, {"solve": 2.0, "record": 1.0}
+    found = timers.reduce(Ranks(["solve", "wait"], [(1.0, 0.5), (0.0, 0.0), (4.0, 4.0)]))
+    assert found == {"solve": {"max": 3.0, "mean": 2.0, "cpu": 2.5}, "record": {"max": 1.0, "mean": 0.5, "cpu": 1.0},
+                     "wait": {"max": 4.0, "mean": 2.0, "cpu": 4.0}}

@@ -5,27 +5,12 @@ import itertools
 import numpy as np
 import pytest
 
-from parisph import (
-    Box,
-    Fluid,
-    Heave,
-    Moved,
-    Piston,
-    PressureTap,
-    ProbeArray,
-    Profile,
-    Roll,
-    Series,
-    Sponge,
-    Stokes,
-    SurfaceGauge,
-    Sway,
-    Tank,
-    VelocityProfile,
-)
+from parisph import Box, Fluid, Piston, PressureTap, ProbeArray, Profile, Sponge, SurfaceGauge, Tank, VelocityProfile
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
+from parisph.case.motion import Heave, Moved, Roll, Series, Sway
 from parisph.case.schema import StillWater
+from parisph.case.waves import Stokes
 from parisph.pictures import bodies_view, curves, movies, overview, states, view, window
 from parisph.pictures.frames import PictureFrame
 from tests.stored import stored

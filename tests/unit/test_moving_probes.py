@@ -4,31 +4,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    CaseError,
-    ColumnHeight,
-    Disc,
-    Energy,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Piston,
-    Plate,
-    PressureTap,
-    Profile,
-    Roll,
-    RunUp,
-    Simulation,
-    StillWater,
-    SurfaceGauge,
-    Sway,
-    Tank,
-    VelocityPoint,
-    WaterFront,
-)
+from parisph import ColumnHeight, Energy, PressureTap, RunUp, Simulation, SurfaceGauge, VelocityPoint, WaterFront
+from parisph.base.errors import CaseError
 from parisph.base.fields import WALL, WET
+from parisph.case.bodies import Obstacle, Piston, Plate, Profile, StillWater
+from parisph.case.motion import Roll, Sway
+from parisph.case.schema import Case, Fluid, Numerics
+from parisph.case.shapes import Box, Disc, Tank
 from parisph.geometry import scene_checks
 from parisph.watch.instruments import build, sample_all
 from tests.watched import DENSITY, G, Watch

@@ -31,7 +31,7 @@ from parisph.geometry import build
 from parisph.watch import instruments
 from parisph.watch.gauges import bodies
 from parisph.watch.probes.surface_gauge import surface_height
-from parisph.watch.sampling import Sampler, Scene
+from parisph.watch.sampling import ProbeScene, Sampler
 from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S = 0.05
@@ -346,7 +346,7 @@ def test_energy_by_current_volumes_converges_on_a_disordered_wave():
 
 
 def cube():
-    return Scene(3, S, np.full(3, S), DENSITY, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
+    return ProbeScene(3, S, np.full(3, S), DENSITY, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
 
 
 def test_current_volumes_are_refused_in_3d():

@@ -5,22 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from parisph import (
-    Airy,
-    Case,
-    CaseError,
-    Fluid,
-    Jonswap,
-    Numerics,
-    Obstacle,
-    Piston,
-    Polygon,
-    ProbeArray,
-    Sponge,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-)
+from parisph import Case, CaseError, Fluid, Numerics, Polygon, ProbeArray, Sponge, SurfaceGauge, Tank
+from parisph.case.bodies import Obstacle, Piston, StillWater
+from parisph.case.waves import Airy, Jonswap
 from parisph.case.waves.jonswap import components_of
 from parisph.io import info
 from parisph.report import flume as flume_tables

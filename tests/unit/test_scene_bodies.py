@@ -7,34 +7,14 @@ import re
 import pytest
 
 import parisph
-from parisph import (
-    Airy,
-    Box,
-    Case,
-    CaseError,
-    Disc,
-    Flap,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Piston,
-    Plate,
-    Polygon,
-    PressureTap,
-    Profile,
-    Relaxation,
-    Roll,
-    SolitaryWave,
-    Sponge,
-    StillWater,
-    SurfaceGauge,
-    Sway,
-    Tabulated,
-    Tank,
-)
+from parisph import Case, CaseError, Fluid, Numerics, PressureTap, Relaxation, Sponge, SurfaceGauge
 from parisph.case import stored
+from parisph.case.bodies import Flap, Obstacle, Piston, Plate, Profile, StillWater
+from parisph.case.motion import Roll, Sway, Tabulated
 from parisph.case.scenery import body_names, longest_step, wall_speed
+from parisph.case.shapes import Box, Disc, Polygon, Tank
 from parisph.case.time_scales import stable_time_step
+from parisph.case.waves import Airy, SolitaryWave
 from parisph.driver import describe
 from parisph.geometry import scene_checks
 

@@ -3,23 +3,9 @@
 import numpy as np
 import pytest
 
-from parisph import (
-    Airy,
-    Box,
-    Case,
-    Disc,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Piston,
-    Plate,
-    Polygon,
-    Profile,
-    SolitaryWave,
-    StillWater,
-    Tank,
-)
+from parisph import Box, Case, Disc, Fluid, Numerics, Obstacle, Piston, Plate, Polygon, Profile, StillWater, Tank
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.case.waves import Airy, SolitaryWave
 from parisph.geometry import build, scene_checks
 from parisph.geometry.mesh import CONCAVE, CONVEX
 from parisph.kernels.packing import volumes

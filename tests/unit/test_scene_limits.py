@@ -3,28 +3,11 @@
 import numpy as np
 import pytest
 
-from parisph import (
-    Airy,
-    Box,
-    Case,
-    Disc,
-    Flap,
-    Fluid,
-    Heave,
-    Numerics,
-    Obstacle,
-    Piston,
-    Plate,
-    Profile,
-    Roll,
-    Series,
-    StillWater,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, Disc, Flap, Fluid, Numerics, Obstacle, Piston, Plate, Profile, StillWater, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
-from parisph.case.motion import AtRest, Moved
+from parisph.case.motion import AtRest, Heave, Moved, Roll, Series, Sway
+from parisph.case.waves import Airy
 from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
 from parisph.geometry.columns import overlapping

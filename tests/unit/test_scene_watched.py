@@ -6,23 +6,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Box,
-    Case,
-    ColumnHeight,
-    Fluid,
-    Numerics,
-    Obstacle,
-    Piston,
-    PressureTap,
-    Profile,
-    SolitaryWave,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-    WaterFront,
-)
+from parisph import Box, Case, ColumnHeight, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, WaterFront
 from parisph.base.fields import FLUID, WALL
+from parisph.case.bodies import Obstacle, Piston, Profile, StillWater
+from parisph.case.waves import SolitaryWave
 from parisph.driver import solid_walls
 from parisph.driver.overflow import OpenTank
 from parisph.geometry import build
@@ -31,7 +18,7 @@ from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pictures import bodies_view, style, view
 from parisph.watch import instruments
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 S, G = 0.05, 9.81
 BEACH = Profile([(0.0, 1.2), (0.0, 0.0), (1.0, 0.0), (3.0, 0.8)], name="beach")
@@ -88,10 +75,10 @@ def test_bed_is_the_highest_wall_at_rest_below():
     mesh = build.scene_mesh(scene((BEACH, MAKER)))
     x = np.array([2.0, 0.5, 0.1, 9.0])
     np.testing.assert_allclose(beds(mesh.corners(), x, 10.0), [0.4, 0.0, 0.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(Scene.of(scene((BEACH, MAKER))).bed_at(x), [0.4, 0.0, 0.0, 0.0], atol=1e-12)
-    plain = Scene.of(scene(Tank(3.0, 1.0, at=(0.0, 0.2)), fluid=Fluid(Box(1.0, 0.5, at=(0.0, 0.2)), 1000.0)))
+    np.testing.assert_allclose(ProbeScene.of(scene((BEACH, MAKER))).bed_at(x), [0.4, 0.0, 0.0, 0.0], atol=1e-12)
+    plain = ProbeScene.of(scene(Tank(3.0, 1.0, at=(0.0, 0.2)), fluid=Fluid(Box(1.0, 0.5, at=(0.0, 0.2)), 1000.0)))
     assert plain.bed_at(x).tolist() == [0.2] * 4
-    assert Scene.of(scene(None, fluid=Fluid(Box(1.0, 0.5), 1000.0))).bed_at(x) is None
+    assert ProbeScene.of(scene(None, fluid=Fluid(Box(1.0, 0.5), 1000.0))).bed_at(x) is None
 
 
 def test_water_leaves_over_the_end_of_a_bed():

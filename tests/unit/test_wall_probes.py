@@ -4,17 +4,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    CaseError,
-    ColumnHeight,
-    Force,
-    PressureTap,
-    ProbeArray,
-    RunUp,
-    Simulation,
-    SurfaceGauge,
-    VelocityPoint,
-)
+from parisph import ColumnHeight, Force, PressureTap, ProbeArray, RunUp, Simulation, SurfaceGauge, VelocityPoint
+from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE
 from parisph.case.stored import from_json, to_json
 from parisph.geometry import scene_checks

@@ -6,25 +6,11 @@ import re
 import numpy as np
 import pytest
 
-from parisph import (
-    Airy,
-    Box,
-    Case,
-    Flap,
-    Fluid,
-    Heave,
-    Numerics,
-    Obstacle,
-    Piston,
-    Profile,
-    Roll,
-    Series,
-    StillWater,
-    Sway,
-    Tank,
-)
+from parisph import Box, Case, Flap, Fluid, Numerics, Obstacle, Piston, Profile, StillWater, Tank
 from parisph.base.errors import CaseError
+from parisph.case.motion import Heave, Roll, Series, Sway
 from parisph.case.stored import from_json, to_json
+from parisph.case.waves import Airy
 from parisph.geometry import scene_checks
 from parisph.parser import build
 

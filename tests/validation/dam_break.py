@@ -14,15 +14,13 @@ from parisph.case.load import load
 from parisph.io import checkpoint
 from parisph.io.reader import Run
 from parisph.truth import norms
+from run_scripts.studies import dam_break_measures
+from run_scripts.studies.dam_break_measures import CODES, COMPARED, QUIET, UNIT, WEIGHT
 from tests.launch import ROOT
 from tests.validation.record import Bench, Row
 
-H, G = 1.0, 9.81
-UNIT = np.sqrt(H / G)
-WEIGHT = 1000.0 * G * H
 MEASURED = ROOT / "cases" / "measured"
 COMPUTED = ROOT / "cases" / "computed" / "dam_break_vof.csv"
-CODES = {"Basilisk": "P2_basilisk_256", "interFoam": "P2_interfoam_25600"}
 EXTRAPOLATED = "Basilisk, extrapolated"    # from 128 and 256 cells, as of first order
 
 JITTER = 0.2
@@ -30,9 +28,7 @@ SEEDS = (1, 2, 3)
 COARSE, FINE, FINEST = 1 / 40, 1 / 80, 1 / 160    # spacings over H
 STEP = 0.004               # dt* of fixed steps at H/s = 40 and 80
 END, LATE = 4.0, 10.0      # t* of most runs, and of those that watch the volume
-COMPARED = (1.4, 3.4)      # t* of P2 against the reference
-IMPULSE, BESIDE = (1.5, 2.6), 1.13
-QUIET = (2.5, 3.9)
+BESIDE = 1.13              # impulse of P2 in the reference
 BEFORE = {"front": 1.55, "column": 4.0}    # t* at which the far wall is met, and water comes back to the near one
 ALTERNATIVES = {    # what a user might choose instead
     "ISPH rows": dict(method="ISPH"),
@@ -133,10 +129,10 @@ def measures(run: Run) -> dict:
     coarse = read_reference(COMPUTED, "t_star", "P2_basilisk_128")[1]
     found[f"P2 against {EXTRAPOLATED}"] = _distance(t, p, times, 2.0 * fine - coarse)
     found |= {"arrival": float(t[np.argmax(p > 0.1)]), "onset": _crossing(t, p, 1.0),
-              "impulse": norms.impulse(t, p, IMPULSE)}
+              "impulse": dam_break_measures.impulse(run)}
     found |= {f"E({time})": float(np.interp(time, energy["time"] / UNIT, total)) for time in (1.45, 2)}
     if t[-1] >= QUIET[1]:
-        found["quiet"] = norms.noise(tap["time"], tap["pressure"], (QUIET[0] * UNIT, QUIET[1] * UNIT))
+        found["quiet"] = dam_break_measures.noise(run)
     found |= {"volume": float(np.nanmax(volume)), "volume in 99 %": float(np.nanquantile(volume, 0.99)),
               "rise": float(total.max()) - 1.0}
     return found

@@ -25,8 +25,7 @@ def rows(bench):
 def _moved(kind):
     """Return the rows of one motion: gently over three periods, and violently until the first impact.
 
-    Gauges at the walls are only reported in violent flow: such a gauge reads one particle, and which one it is depends
-    on whether walls are planes, as those of a tank at rest in its frame, or elements. The mean level over four
+    Gauges at the walls are only reported in violent flow: such a gauge reads one particle. The mean level over four
     spacings is compared instead.
     """
     gauges_too, others = dict.fromkeys(moving_tanks.SERIES, 0.01), dict.fromkeys(moving_tanks.SERIES[2:], 0.05)

@@ -13,46 +13,28 @@ from parisph.study import Study, Variant, limits, runs
 from parisph.study.definition import OWN
 from parisph.study.plan import plan_study
 from parisph.study.results import Result, result
+from tests.hard.table import Line, spread, verdict
 from tests.launch import ROOT
 
 HOURS = 4 * 3600.0     # [s] no run may take longer
 
 
 @dataclass(frozen=True)
-class Row:
-    """One line of the table.
+class Row(Line):
+    """One line of the table: its `what` names the scene, too.
 
-    what : the scene and the quantity; measured : number; asked : the limit, None for a report only;
-    least : whether the limits are lower ones; cost : CPU seconds of the run, None where it had several;
-    aim : a limit that is tried for, None without one; starts : values of all starts, of which `measured` is the worst
+    cost : CPU seconds of the run, None where it had several; starts : values of all starts, of which `value` is the
+    worst
     """
 
-    what: str
-    measured: float
-    asked: float = None
-    least: bool = False
-    cost: float = None
-    aim: float = None
-    starts: tuple = ()
+    cost: float | None = None
+    starts: tuple[float, ...] = ()
 
     @classmethod
-    def of_starts(cls, what, values, asked=None, aim=None, least=False, cost=None):
+    def of_starts(cls, what, values, must=None, aim=None, least=False, cost=None):
         """Return the row of runs that differ by their start: the worst of them counts, nan if one is no number."""
         worst = (np.min if least else np.max)(values)
-        return cls(what, float(worst), asked, least, cost, aim, tuple(float(value) for value in values))
-
-    @property
-    def met(self):
-        """True, False, or None where nothing is asked. A number that is not one meets nothing."""
-        return None if self.asked is None else self._within(self.asked)
-
-    @property
-    def reached(self):
-        """Whether the aim is reached, None where there is none."""
-        return None if self.aim is None else self._within(self.aim)
-
-    def _within(self, limit):
-        return bool(self.measured >= limit if self.least else self.measured <= limit)
+        return cls(what, float(worst), must, aim, least, cost, tuple(float(value) for value in values))
 
 
 def rows_of(study: Study, results: list[Result], what: str) -> list[Row]:
@@ -71,22 +53,14 @@ def rows_of(study: Study, results: list[Result], what: str) -> list[Row]:
 
 def table(rows):
     """Return the rows as a Markdown table; of several starts their range is given, and the worst decides."""
-    return "\n".join(["| | measured | asked | aim | | CPU s |", "|---|---|---|---|---|---|",
+    return "\n".join(["| | measured | must | aim | | CPU s |", "|---|---|---|---|---|---|",
                       *(_line(row) for row in rows)])
 
 
 def _line(row):
-    asked, aim = ("" if limit is None else f"{'>=' if row.least else '<='} {limit:.4g}"
-                  for limit in (row.asked, row.aim))
-    verdict = {None: "", True: "yes", False: "NO"}[row.met] + {None: "", True: " (aim)", False: ""}[row.reached]
     cost = "" if row.cost is None else f"{row.cost:.1f}"
-    return f"| {row.what} | {_range(row.starts or (row.measured,))} | {asked} | {aim} | {verdict.strip()} | {cost} |"
-
-
-def _range(values):
-    if np.isnan(values).any():
-        return "nan"
-    return " to ".join(dict.fromkeys(f"{value:.4g}" for value in (min(values), max(values))))
+    return (f"| {row.what} | {spread(row.starts or (row.value,))} | {' | '.join(row.limits())} "
+            f"| {verdict(row.met, row.reached)} | {cost} |")
 
 
 def save(rows, path):
@@ -97,8 +71,6 @@ def save(rows, path):
 class Bench:
     """Runs scenes as runs of studies, in a folder of its own. What is finished there is not run again by the same code.
 
-    Parameters
-    ----------
     folder : where the runs go, kept; None for a temporary folder that is removed by `close`
     """
 

@@ -1,7 +1,7 @@
 """Measured motions: series of times and values, from a file or given as numbers."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Union
+from typing import TYPE_CHECKING, Annotated, Any, Union
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,19 +20,64 @@ MANY = 2000  # times, from which on half a stretch is enough
 SEEN = 64    # values of a long series that its hash looks at
 
 
-def check_increasing(times: Sequence[float], values: Sequence[float], what: str) -> None:
-    """Raise ValueError unless there is a value for each time and times increase. what : the values are, in plural"""
-    if len(times) != len(values):
-        raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
-    late = np.flatnonzero(np.diff(times) < SMALLEST)
-    if len(late):
-        raise ValueError(
-            f"times[{late[0] + 1}] = {times[late[0] + 1]}: must be later than the time before it, "
-            f"by {SMALLEST:g} s at least"
-        )
+class Sampled:
+    """A law of time from values at increasing times, or from rates. A record that has these fields derives from it.
+
+    times [s], values : (n,) each; rate : whether the values are rates, whose integral is the law
+    """
+
+    if TYPE_CHECKING:    # fields of each record; as fields of this class they would come first
+        @property
+        def times(self) -> Sequence[float]: ...
+        @property
+        def values(self) -> Sequence[float]: ...
+        @property
+        def rate(self) -> bool: ...
+
+    def _check_increasing(self, what: str) -> None:
+        """Raise ValueError unless times increase and each has a value. what : the values are, in plural"""
+        times, values = self.times, self.values
+        if len(times) != len(values):
+            raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
+        late = np.flatnonzero(np.diff(times) < SMALLEST)
+        if len(late):
+            raise ValueError(
+                f"times[{late[0] + 1}] = {times[late[0] + 1]}: must be later than the time before it, "
+                f"by {SMALLEST:g} s at least"
+            )
+
+    def law(self, t: float) -> tuple[float, float, float]:
+        """Return the value, its rate and its second derivative at t [s]."""
+        curve = cubic(self.times, self.values)
+        if not self.rate:
+            return curve.at(t)
+        moved = float(curve.integrals(np.array([t]))[0])
+        return (moved, 0.0, 0.0) if t < self.times[0] or t > self.times[-1] else (moved, *curve.at(t)[:2])
+
+    def values_at(self, times: Floats) -> Floats:
+        """Return the values (n,) of the law at times (n,) [s]."""
+        curve = cubic(self.times, self.values)
+        return curve.integrals(times) if self.rate else curve.values(times)
+
+    @property
+    def top_rate(self) -> float:
+        """Greatest rate, that of the straight lines between the times."""
+        return float(np.max(np.abs(self.values if self.rate else np.diff(self.values) / np.diff(self.times))))
+
+    def instants(self, stop: float) -> Floats:
+        """Return times (n,) [s] in order, from 0 to `stop`, several in each stretch between those of the series."""
+        knots = np.unique(np.clip(np.concatenate([[0.0], self.times, [stop]]), 0.0, stop))
+        parts = PARTS if len(knots) < MANY else 2
+        found: Floats = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(parts) / parts).ravel(), stop)
+        return found
+
+    def __hash__(self) -> int:
+        """Look at SEEN of the values: caches ask for it often."""
+        few = slice(None, None, max(1, len(self.times) // SEEN))
+        return hash((len(self.times), self.times[few], self.values[few]))
 
 
-class Series(Model):
+class Series(Sampled, Model):
     """A measured displacement [m] or angle [rad] over time: columns of a CSV file with one header line, or numbers.
 
     The file is read once, when the record is made; the numbers are then part of the case. They are joined by a cubic
@@ -40,8 +85,6 @@ class Series(Model):
     water feels, so rough data should be smoothed before. Before the first and after the last time the body rests: data
     that does not begin and end at rest has a jump of velocity there.
 
-    Attributes
-    ----------
     file : path, relative to the case file
     time, value : names of the columns
     scale, offset : value = offset + scale * column, so scale = pi/180 for degrees
@@ -49,8 +92,6 @@ class Series(Model):
     rate : whether the values are velocities [m/s] or [rad/s]; the motion is then their integral
     times, values : in SI units; from the file, if one is given
 
-    Examples
-    --------
     >>> angle = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
     >>> print(f"{angle.law(1.0)[0]:.3f} rad")
     0.100 rad
@@ -85,62 +126,8 @@ class Series(Model):
 
     @model_validator(mode="after")
     def _is_sound(self) -> "Series":
-        check_increasing(self.times, self.values, "values")
+        self._check_increasing("values")
         return self
-
-    def law(self, t: float) -> tuple[float, float, float]:
-        """Return the value, its rate and its second derivative at t [s]."""
-        return law_of(self.times, self.values, self.rate, t)
-
-    def at(self, t: Floats) -> Floats:
-        """Return the values (n,) at t (n,) [s]."""
-        return values_of(self.times, self.values, self.rate, t)
-
-    def __hash__(self) -> int:
-        return hash_of(self.times, self.values)
-
-    def knots(self, stop: float) -> Floats:
-        """Return times (n,) [s] up to `stop` that show how far a motion of this series goes."""
-        return between_knots(self.times, stop)
-
-    @property
-    def top_rate(self) -> float:
-        """Greatest rate of the straight lines between the times."""
-        return top_rate_of(self.times, self.values, self.rate)
-
-
-def law_of(times: Sequence[float], values: Sequence[float], rate: bool, t: float) -> tuple[float, float, float]:
-    """Return value, rate and second derivative at t [s] of a motion through values, or with values as its rate."""
-    curve = cubic(times, values)
-    if not rate:
-        return curve.at(t)
-    moved = float(curve.integrals(np.array([t]))[0])
-    return (moved, 0.0, 0.0) if t < times[0] or t > times[-1] else (moved, *curve.at(t)[:2])
-
-
-def values_of(times: Sequence[float], values: Sequence[float], rate: bool, t: Floats) -> Floats:
-    """Return the values (n,) at t (n,) [s] of such a motion."""
-    curve = cubic(times, values)
-    return curve.integrals(t) if rate else curve.values(t)
-
-
-def hash_of(times: Sequence[float], values: Sequence[float]) -> int:
-    """Return a hash of a series that looks at SEEN of its values: caches ask for it often."""
-    few = slice(None, None, max(1, len(times) // SEEN))
-    return hash((len(times), times[few], values[few]))
-
-
-def top_rate_of(times: Sequence[float], values: Sequence[float], rate: bool) -> float:
-    """Return the greatest rate of such a motion, that of the straight lines between the times."""
-    return float(np.max(np.abs(values if rate else np.diff(values) / np.diff(times))))
-
-
-def between_knots(times: Sequence[float], stop: float) -> Floats:
-    """Return times (n,) [s] in order, from 0 to `stop`, several in each stretch between those of a series."""
-    knots = np.unique(np.clip(np.concatenate([[0.0], times, [stop]]), 0.0, stop))
-    parts = PARTS if len(knots) < MANY else 2
-    found: Floats = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(parts) / parts).ravel(), stop)
-    return found
 
 
 def _columns(file: str, time: str, value: str) -> tuple[Floats, Floats]:

@@ -1,5 +1,6 @@
 """Motions that tanks make: sway, heave and roll, harmonic or measured."""
 
+from abc import abstractmethod
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
@@ -8,18 +9,9 @@ from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
 from parisph.case.model import Several
-from parisph.case.motion.measured import (
-    Amount,
-    Series,
-    between_knots,
-    check_increasing,
-    hash_of,
-    law_of,
-    top_rate_of,
-    values_of,
-)
-from parisph.case.motion.rigid import FINE, SHARE, Centre, Direction, Rotation, Translation, evenly
-from parisph.case.motion.splines import product, rise
+from parisph.case.motion.measured import Amount, Sampled, Series
+from parisph.case.motion.rigid import FINE, SHARE, Centre, Direction, Motion, Rotation, Translation, evenly
+from parisph.case.motion.splines import Law, product, rise
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -30,23 +22,8 @@ Ramp = Annotated[float | None, Field(ge=0, description="time [s] in which the mo
 SAME = 1e-9    # of a frequency: that of a period, after rounding; a stored case may have both
 
 
-def _check_one(motion: "_Harmonic | Roll", missing: str) -> None:
-    """Raise ValueError unless a motion has a frequency, a period, or both of one oscillation. missing : the message"""
-    frequency, period = motion.frequency, motion.period
-    if frequency is None and period is None:
-        raise ValueError(missing)
-    if frequency is not None and period is not None and abs(frequency * period / (2.0 * np.pi) - 1.0) > SAME:
-        raise ValueError(f"frequency = {frequency:g} rad/s and period = {period:g} s: the period of this frequency is "
-                         f"{2.0 * np.pi / frequency:g} s; give one of the two")
-
-
-def _omega(motion: "_Harmonic | Roll") -> float:
-    """Return the angular frequency [rad/s] of a motion that _check_one has seen."""
-    return 2.0 * np.pi / cast(float, motion.period) if motion.frequency is None else motion.frequency
-
-
 @lru_cache(maxsize=64)
-def _top_rate(motion: "_Harmonic | Roll") -> float:
+def _top_rate(motion: "_Oscillation") -> float:
     """Return the greatest rate of an oscillation with a ramp, in which it may be the fastest."""
     ramp, period = cast(float, motion.ramp), 2.0 * np.pi / motion.omega
     times = np.concatenate([np.linspace(0.0, ramp, FINE), ramp + np.linspace(0.0, period, FINE)])
@@ -56,8 +33,6 @@ def _top_rate(motion: "_Harmonic | Roll") -> float:
 class AtRest(Translation):
     """A body that does not move.
 
-    Examples
-    --------
     >>> AtRest().law(1.0)
     (0.0, 0.0, 0.0)
     """
@@ -65,17 +40,16 @@ class AtRest(Translation):
     kind: Literal["at_rest"] = Field(default="at_rest", init=False)
     direction: Direction = (1.0, 0.0)
 
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion."""
+    def law(self, t: float) -> Law:
         return 0.0, 0.0, 0.0
 
 
-class _Harmonic(Translation):
-    """X = amplitude (1 - cos(frequency t)), from rest; with a ramp it grows to that."""
+class _Oscillation(Motion):
+    """A harmonic motion that grows over a ramp to its amplitude."""
 
     if TYPE_CHECKING:    # see Translation
         @property
-        def amplitude(self) -> float: ...
+        def amplitude(self) -> Any: ...
         @property
         def frequency(self) -> float | None: ...
         @property
@@ -83,21 +57,31 @@ class _Harmonic(Translation):
         @property
         def ramp(self) -> float | None: ...
 
-    @model_validator(mode="after")
-    def _one_frequency(self) -> "Self":
-        _check_one(self, f"{type(self).__name__}.frequency is missing: give angular frequency [rad/s], or period [s]")
-        return self
+    def _check_frequency(self, missing: str) -> None:
+        """Raise ValueError unless there is a frequency, a period, or both of one oscillation. missing : the message"""
+        frequency, period = self.frequency, self.period
+        if frequency is None and period is None:
+            raise ValueError(missing)
+        if frequency is not None and period is not None and abs(frequency * period / (2.0 * np.pi) - 1.0) > SAME:
+            raise ValueError(f"frequency = {frequency:g} rad/s and period = {period:g} s: the period of this frequency "
+                             f"is {2.0 * np.pi / frequency:g} s; give one of the two")
+
+    @abstractmethod
+    def _wave(self, t: float) -> Law:
+        """Return the law at time t [s] without a ramp."""
+
+    @property
+    def _growth(self) -> float:
+        """Time [s] in which the motion grows."""
+        return self.ramp or 0.0
 
     @property
     def omega(self) -> float:
         """Angular frequency [rad/s], given as such or by a period."""
-        return _omega(self)
+        return 2.0 * np.pi / cast(float, self.period) if self.frequency is None else self.frequency
 
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion."""
-        a, w = self.amplitude, self.omega
-        wave = a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
-        return product(rise(t, self.ramp), wave) if self.ramp else wave
+    def law(self, t: float) -> Law:
+        return product(rise(t, self._growth), self._wave(t)) if self._growth else self._wave(t)
 
     @property
     def longest_step(self) -> float:
@@ -106,12 +90,26 @@ class _Harmonic(Translation):
 
     @property
     def top_rate(self) -> float:
-        """See Motion."""
+        """See Motion. A roll that grows over one period, its default, is less than a tenth faster."""
         return _top_rate(self) if self.ramp else abs(self.amplitude) * self.omega
 
     def instants(self, stop: float) -> Floats:
         """See Motion: one period after its growth shows all."""
-        return evenly(self.longest_step / SHARE, min(stop, (self.ramp or 0.0) + 2.0 * np.pi / self.omega))
+        return evenly(self.longest_step / SHARE, min(stop, self._growth + 2.0 * np.pi / self.omega))
+
+
+class _Harmonic(_Oscillation, Translation):
+    """X = amplitude (1 - cos(frequency t)), from rest; with a ramp it grows to that."""
+
+    @model_validator(mode="after")
+    def _one_frequency(self) -> "Self":
+        self._check_frequency(f"{type(self).__name__}.frequency is missing: give angular frequency [rad/s], or period "
+                              "[s]")
+        return self
+
+    def _wave(self, t: float) -> Law:
+        a, w = self.amplitude, self.omega
+        return a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
 
 
 class Sway(_Harmonic):
@@ -122,8 +120,6 @@ class Sway(_Harmonic):
     direction : (x, y)
     ramp : [s] in which it grows to its amplitude; default 0
 
-    Examples
-    --------
     >>> print(f"{Sway(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")    # after half a period
     0.060 m
     >>> print(f"{Sway(amplitude=0.03, period=1.0, ramp=3.0).law(3.5)[0]:.3f} m")
@@ -143,8 +139,6 @@ class Heave(_Harmonic):
 
     amplitude, frequency or period, ramp : as of a Sway
 
-    Examples
-    --------
     >>> print(f"{Heave(amplitude=0.03, period=1.0).law(0.5)[0]:.3f} m")
     0.060 m
     """
@@ -157,7 +151,7 @@ class Heave(_Harmonic):
     ramp: Ramp = None
 
 
-class Roll(Rotation):
+class Roll(_Oscillation, Rotation):
     """A roll about `centre`: harmonic, amplitude sin(frequency t), or a measured one.
 
     amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is understood too
@@ -165,8 +159,6 @@ class Roll(Rotation):
     centre : (x, y) [m]
     ramp : [s] in which a harmonic roll grows to its amplitude; default one period. With 0 the body turns from the start
 
-    Examples
-    --------
     >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
     0.070 rad
     >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
@@ -197,8 +189,8 @@ class Roll(Rotation):
                     f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic roll; leave it out with a Series"
                 )
         else:
-            _check_one(self, "frequency is missing: give the angular frequency [rad/s], or period [s], or a Series as "
-                             "amplitude")
+            self._check_frequency("frequency is missing: give the angular frequency [rad/s], or period [s], or a "
+                                  "Series as amplitude")
         return self
 
     @property
@@ -206,48 +198,35 @@ class Roll(Rotation):
         """Its amplitude, under an earlier name."""
         return self.amplitude
 
-    @property
-    def omega(self) -> float:
-        """Angular frequency [rad/s] of a harmonic roll, given as such or by a period."""
-        return _omega(self)
+    def _wave(self, t: float) -> Law:
+        a, w = cast(float, self.amplitude), self.omega
+        return a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
 
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion."""
-        if isinstance(self.amplitude, Series):
-            return self.amplitude.law(t)
-        a, w = self.amplitude, self.omega
-        wave = a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
-        return product(rise(t, 2.0 * np.pi / w if self.ramp is None else self.ramp), wave)
+    @property
+    def _growth(self) -> float:
+        return 2.0 * np.pi / self.omega if self.ramp is None else self.ramp
+
+    def law(self, t: float) -> Law:
+        return self.amplitude.law(t) if isinstance(self.amplitude, Series) else super().law(t)
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
-        return self.amplitude.at(times) if isinstance(self.amplitude, Series) else super().values_at(times)
+        return self.amplitude.values_at(times) if isinstance(self.amplitude, Series) else super().values_at(times)
 
     @property
     def longest_step(self) -> float:
-        """See Motion."""
-        return np.inf if isinstance(self.amplitude, Series) or not self.amplitude else SHARE * 2.0 * np.pi / self.omega
+        return np.inf if isinstance(self.amplitude, Series) else super().longest_step
 
     @property
     def top_rate(self) -> float:
-        """See Motion; while it grows over a period, a roll is less than a tenth faster."""
-        if isinstance(self.amplitude, Series):
-            return self.amplitude.top_rate
-        return _top_rate(self) if self.ramp else abs(self.amplitude) * self.omega
+        return self.amplitude.top_rate if isinstance(self.amplitude, Series) else super().top_rate
 
     def instants(self, stop: float) -> Floats:
-        """See Motion: one period after its growth shows all."""
-        if isinstance(self.amplitude, Series):
-            return self.amplitude.knots(stop)
-        period = 2.0 * np.pi / self.omega
-        return evenly(self.longest_step / SHARE, min(stop, (period if self.ramp is None else self.ramp) + period))
+        return self.amplitude.instants(stop) if isinstance(self.amplitude, Series) else super().instants(stop)
 
 
 class Moved(Translation):
     """A measured translation, series, along a direction.
 
-    Examples
-    --------
     >>> path = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
     >>> print(f"{Moved(path, direction=(0.0, 1.0)).law(2.0)[0]:.3f} m")
     0.100 m
@@ -257,32 +236,26 @@ class Moved(Translation):
     series: Series
     direction: Direction = (1.0, 0.0)
 
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion."""
+    def law(self, t: float) -> Law:
         return self.series.law(t)
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
-        return self.series.at(times)
+        return self.series.values_at(times)
 
     @property
     def top_rate(self) -> float:
-        """See Motion."""
         return self.series.top_rate
 
     def instants(self, stop: float) -> Floats:
-        """See Motion."""
-        return self.series.knots(stop)
+        return self.series.instants(stop)
 
 
-class Tabulated(Translation):
+class Tabulated(Sampled, Translation):
     """A measured motion: displacement [m] at increasing times [s], joined as a Series of numbers is.
 
     With rate=True the values are velocities [m/s]; the motion is their integral, from rest at x = 0. A column of a file
     is read by a Moved: Moved(Series("paddle.csv", time="t", value="velocity", rate=True)).
 
-    Examples
-    --------
     >>> print(f"{Tabulated(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)).law(1.0)[0]:.3f} m")
     0.100 m
     """
@@ -295,25 +268,5 @@ class Tabulated(Translation):
 
     @model_validator(mode="after")
     def _series_is_sound(self) -> "Tabulated":
-        check_increasing(self.times, self.values, "velocities" if self.rate else "displacements")
+        self._check_increasing("velocities" if self.rate else "displacements")
         return self
-
-    @property
-    def top_rate(self) -> float:
-        """See Motion: that of the straight lines between the times."""
-        return top_rate_of(self.times, self.values, self.rate)
-
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion."""
-        return law_of(self.times, self.values, self.rate, t)
-
-    def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
-        return values_of(self.times, self.values, self.rate, times)
-
-    def __hash__(self) -> int:
-        return hash_of(self.times, self.values)
-
-    def instants(self, stop: float) -> Floats:
-        """See Motion."""
-        return between_knots(self.times, stop)

@@ -74,20 +74,16 @@ class Motion(Model):
 
     @abstractmethod
     def acceleration_at(self, x: Floats, t: float) -> Floats:
-        """Return the acceleration (n, dim) [m/s2] of the body's points that are at x (n, dim) [m] at time t [s]."""
+        """Return the acceleration (n, dim) [m/s2] of the body's points that are at x (n, dim) [m] at time t [s].
+
+        For x and components as seen from the body, it is what a point at rest in it feels, with the opposite sign.
+        """
 
     @abstractmethod
     def seen(self, vectors: Floats, t: float) -> Floats:
         """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s].
 
         The result may be `vectors` itself, not a copy.
-        """
-
-    @abstractmethod
-    def felt(self, x: Floats, t: float) -> Floats:
-        """Return the acceleration (n, dim) [m/s2] that the body's motion adds for what rests at x (n, dim) in it.
-
-        It is seen from the body. What moves in a body that turns feels Coriolis' acceleration as well.
         """
 
     @property
@@ -119,20 +115,7 @@ class Translation(Motion):
     def _along(self, value: float) -> Floats:
         return _unit_vector(self.direction) * value
 
-    def displacement(self, t: float) -> Floats:
-        """Displacement (dim,) [m] at time t [s]."""
-        return self._along(self.law(t)[0])
-
-    def velocity(self, t: float) -> Floats:
-        """Velocity (dim,) [m/s] at time t [s]."""
-        return self._along(self.law(t)[1])
-
-    def acceleration(self, t: float) -> Floats:
-        """Acceleration (dim,) [m/s2] at time t [s]."""
-        return self._along(self.law(t)[2])
-
     def placed_by(self, x: Floats, value: float) -> Floats:
-        """See Motion."""
         return x + self._along(value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
@@ -140,23 +123,15 @@ class Translation(Motion):
         return vectors
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
-        return np.broadcast_to(self.velocity(t), np.shape(x))
+        return np.broadcast_to(self._along(self.law(t)[1]), np.shape(x))
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
-        return np.broadcast_to(self.acceleration(t), np.shape(x))
+        return np.broadcast_to(self._along(self.law(t)[2]), np.shape(x))
 
     def seen(self, vectors: Floats, t: float) -> Floats:
-        """See Motion."""
         return vectors
 
-    def felt(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
-        return -self.acceleration(t)
-
     def top_speed(self, lower: Floats, upper: Floats) -> float:
-        """See Motion."""
         return self.top_rate
 
 
@@ -168,33 +143,23 @@ class Rotation(Motion):
         def centre(self) -> tuple[float, ...]: ...
 
     def placed_by(self, x: Floats, value: float) -> Floats:
-        """See Motion."""
         return self.centre + rotated(np.asarray(x) - self.centre, value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
-        """See Motion."""
         return rotated(vectors, self.law(t)[0])
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
         return self.law(t)[1] * quarter(np.asarray(x) - self.centre)
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
-        """See Motion."""
         _, rate, second = self.law(t)
         arm = np.asarray(x) - self.centre
         return second * quarter(arm) - rate**2 * arm
 
     def seen(self, vectors: Floats, t: float) -> Floats:
-        """See Motion."""
         return rotated(vectors, -self.law(t)[0])
 
-    def felt(self, x: Floats, t: float) -> Floats:
-        """See Motion: - Omega' x r - Omega x (Omega x r)."""
-        return -self.acceleration_at(x, t)
-
     def top_speed(self, lower: Floats, upper: Floats) -> float:
-        """See Motion."""
         arm = np.maximum(np.abs(np.asarray(lower) - self.centre), np.abs(np.asarray(upper) - self.centre))
         return self.top_rate * float(np.linalg.norm(arm))
 

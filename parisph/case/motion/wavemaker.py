@@ -7,15 +7,16 @@ Regular and irregular waves: the linear transfer functions of Biesel and Suquet,
 wave mechanics, Sec. 6.2. Regular waves get a second harmonic, see second_order.py.
 """
 
+from abc import abstractmethod
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Annotated, Literal, Union, cast
+from typing import TYPE_CHECKING, Annotated, Literal, Union, cast
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
-from parisph.case.motion.rigid import SHARE, Centre, Rotation, Translation, evenly
+from parisph.case.motion.rigid import SHARE, Centre, Motion, Rotation, Translation, evenly
 from parisph.case.motion.second_order import second_harmonic
 from parisph.case.motion.splines import Law, Quintic, product, rise
 from parisph.case.waves.airy import Airy
@@ -23,7 +24,6 @@ from parisph.case.waves.jonswap import Jonswap, components_of
 from parisph.case.waves.solitary import SolitaryWave
 from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
-from parisph.case.waves.wavefield import WaveField
 
 BLOCK = 1000    # times that are looked at together
 MANY = 1000     # periods of the peak of irregular waves that show how far their maker goes
@@ -70,9 +70,21 @@ def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
     return Quintic((ahead - xi + moved) / c, moved, rate, second), float(ahead)
 
 
-def _harmonics(stroke: "PistonStroke | FlapStroke") -> tuple[Floats, Floats, Floats]:
+def _check_length(wave: WaveTrain | SolitaryWave, words: str) -> None:
+    """Raise ValueError if a regular wave is too long for the second order. words : the record that can do without"""
+    if isinstance(wave, (Airy, Stokes, StreamFunction)):
+        ursell = wave.height * wave.length**2 / wave.depth**3
+        if ursell > LONGEST:
+            raise ValueError(
+                f"wave: height length^2/depth^3 = {ursell:.3g}, the second order holds up to {LONGEST:.3g}; "
+                f"use a shorter or lower wave, or as motion a {words} with second_order=False"
+            )
+
+
+@lru_cache(maxsize=16)
+def _harmonics(stroke: "_Stroke") -> tuple[Floats, Floats, Floats]:
     """Return amplitude [m], angular frequency [rad/s] and phase of X = sum a sin(w t - phase), (n,) each."""
-    wave = _train(stroke)
+    wave = stroke.train
     sign = -1.0 if wave.leftward else 1.0
     if isinstance(wave, Jonswap):
         a, w, k, phase = components_of(wave)
@@ -87,52 +99,74 @@ def _harmonics(stroke: "PistonStroke | FlapStroke") -> tuple[Floats, Floats, Flo
     return np.array([first, abs(second)]), np.array([f, 2.0 * f]), phases
 
 
-def _check_length(wave: WaveTrain | SolitaryWave, words: str) -> None:
-    """Raise ValueError if a regular wave is too long for the second order. words : the record that can do without"""
-    if isinstance(wave, (Airy, Stokes, StreamFunction)):
-        ursell = wave.height * wave.length**2 / wave.depth**3
-        if ursell > LONGEST:
-            raise ValueError(
-                f"wave: height length^2/depth^3 = {ursell:.3g}, the second order holds up to {LONGEST:.3g}; "
-                f"use a shorter or lower wave, or as motion a {words} with second_order=False"
-            )
+class _Stroke(Motion):
+    """The motion of a wavemaker: a sum of harmonics that grows from rest."""
 
+    if TYPE_CHECKING:    # see Translation
+        @property
+        def wave(self) -> WaveTrain | SolitaryWave: ...
+        @property
+        def place(self) -> float: ...
+        @property
+        def ramp(self) -> float | None: ...
+        @property
+        def second_order(self) -> bool: ...
 
-def _train(stroke: "PistonStroke | FlapStroke") -> WaveTrain:
-    return cast(WaveTrain, stroke.wave)    # a solitary wave has no harmonics, and nobody asks for them
+    @abstractmethod
+    def ratio(self, k: float) -> float:
+        """Return the height of waves of a wave number [1/m] over the stroke at the still surface."""
 
+    @property
+    @abstractmethod
+    def moved(self) -> Profile:
+        """Displacement over that at the still surface, as a function of y above the bed [m], and the lowest such y."""
 
-@lru_cache(maxsize=16)
-def _cached_harmonics(stroke: "PistonStroke | FlapStroke") -> tuple[Floats, Floats, Floats]:
-    return _harmonics(stroke)
+    @property
+    @abstractmethod
+    def _scale(self) -> float:
+        """Value of the law for a displacement of 1 m towards the waves."""
 
+    @property
+    def train(self) -> WaveTrain:
+        """The wave that has harmonics, which a solitary wave has not."""
+        return cast(WaveTrain, self.wave)
 
-def _sum(stroke: "PistonStroke | FlapStroke", t: float) -> Law:
-    """Return value, rate and second derivative of the sum of the harmonics of a stroke, from rest."""
-    a, w, phase = _cached_harmonics(stroke)
-    sine, cosine = a * np.sin(w * t - phase), a * np.cos(w * t - phase)
-    wave = float(sine.sum()), float((w * cosine).sum()), float(-(w * w * sine).sum())
-    return product(rise(t, _train(stroke).period if stroke.ramp is None else stroke.ramp), wave)
+    @property
+    def _growth(self) -> float:
+        return self.train.period if self.ramp is None else self.ramp
 
+    def law(self, t: float) -> Law:
+        a, w, phase = _harmonics(self)
+        sine, cosine = a * np.sin(w * t - phase), a * np.cos(w * t - phase)
+        wave = float(sine.sum()), float((w * cosine).sum()), float(-(w * w * sine).sum())
+        return _scaled(self._scale, product(rise(t, self._growth), wave))
 
-def _values(stroke: "PistonStroke | FlapStroke", times: Floats) -> Floats:
-    """Return the values (n,) of `_sum` at times (n,) [s]."""
-    a, w, phase = _cached_harmonics(stroke)
-    duration = _train(stroke).period if stroke.ramp is None else stroke.ramp
-    found = [np.sin(np.outer(part, w) - phase) @ a for part in np.array_split(times, 1 + len(times) // BLOCK)]
-    grown = np.minimum(np.maximum(times, 0.0) / duration, 1.0) if duration else np.ones(len(times))
-    values: Floats = np.concatenate(found) * grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2)
-    return values
+    def values_at(self, times: Floats) -> Floats:
+        a, w, phase = _harmonics(self)
+        duration = self._growth
+        found = [np.sin(np.outer(part, w) - phase) @ a for part in np.array_split(times, 1 + len(times) // BLOCK)]
+        grown = np.minimum(np.maximum(times, 0.0) / duration, 1.0) if duration else np.ones(len(times))
+        values: Floats = np.concatenate(found) * grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2)
+        return self._scale * values
 
+    def instants(self, stop: float) -> Floats:
+        """See Motion: one period after its growth shows all of a regular motion.
 
-def _instants(stroke: "PistonStroke | FlapStroke", stop: float) -> Floats:
-    """Return times (n,) [s] up to `stop`; one period after its growth shows all of a regular motion.
+        Of an irregular one MANY periods do: it goes on, but hardly farther.
+        """
+        many = MANY if isinstance(self.train, Jonswap) else 1
+        return evenly(self.train.period, min(stop, self._growth + many * self.train.period))
 
-    Of an irregular one MANY periods do: it goes on, but hardly farther.
-    """
-    wave = _train(stroke)
-    many = MANY if isinstance(wave, Jonswap) else 1
-    return evenly(wave.period, min(stop, (wave.period if stroke.ramp is None else stroke.ramp) + many * wave.period))
+    @property
+    def longest_step(self) -> float:
+        return SHARE * self.train.period
+
+    @property
+    def top_rate(self) -> float:
+        """See Motion; of irregular motion, four standard deviations."""
+        a, w, _ = _harmonics(self)
+        return abs(self._scale) * float(4.0 * np.sqrt(0.5 * ((a * w) ** 2).sum()) if len(a) > 2
+                                        else np.abs(a * w).sum())
 
 
 def _scaled(scale: float, law: Law) -> Law:
@@ -140,7 +174,7 @@ def _scaled(scale: float, law: Law) -> Law:
     return scale * value, scale * rate, scale * second
 
 
-class PistonStroke(Translation):
+class PistonStroke(_Stroke, Translation):
     """The motion of a vertical wall that makes a wave: a SolitaryWave, a regular wave, or a Jonswap.
 
     wave : the wave; what it has as `at`, and its phases, are those of the scene. Only for a solitary wave, `at` is not
@@ -150,8 +184,6 @@ class PistonStroke(Translation):
     ramp : [s] in which regular and irregular motion grows; default one period
     tail : elevation over height at the piston when the motion for a solitary wave starts
 
-    Examples
-    --------
     >>> stroke = PistonStroke(SolitaryWave(height=0.05, depth=0.25), place=0.0)
     >>> print(f"{stroke.made.celerity:.2f} m/s")
     1.71 m/s
@@ -184,7 +216,6 @@ class PistonStroke(Translation):
         return 1.0, 0.0
 
     def ratio(self, k: float) -> float:
-        """Return the height of waves over the stroke."""
         return piston_ratio(k, self.wave.depth)
 
     @property
@@ -193,58 +224,50 @@ class PistonStroke(Translation):
         return np.ones_like, 0.0
 
     @property
-    def made(self) -> WaveField:
+    def made(self) -> WaveTrain | SolitaryWave:
         """The wave in the scene: of a solitary wave, with the crest at t = 0 where it belongs, behind the wall."""
         if not isinstance(self.wave, SolitaryWave):
             return self.wave
         ahead = _solitary(self.wave, self.tail)[1]
-        return self.wave.model_copy(update={"at": self.place - self._sign * ahead})
+        return self.wave.model_copy(update={"at": self.place - self._scale * ahead})
 
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion."""
+    @property
+    def _scale(self) -> float:
+        return -1.0 if self.wave.leftward else 1.0
+
+    def law(self, t: float) -> Law:
         if isinstance(self.wave, SolitaryWave):
-            return _scaled(self._sign, _solitary(self.wave, self.tail)[0].at(t))
-        return _scaled(self._sign, _sum(self, t))
+            return _scaled(self._scale, _solitary(self.wave, self.tail)[0].at(t))
+        return super().law(t)
 
     def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
-        return super().values_at(times) if isinstance(self.wave, SolitaryWave) else self._sign * _values(self, times)
+        return Motion.values_at(self, times) if isinstance(self.wave, SolitaryWave) else super().values_at(times)
 
     def instants(self, stop: float) -> Floats:
-        """See Motion."""
         if isinstance(self.wave, SolitaryWave):    # it goes one way
             knots: Floats = np.unique(np.minimum(_solitary(self.wave, self.tail)[0].t, stop))
             return knots
-        return _instants(self, stop)
-
-    @property
-    def _sign(self) -> float:
-        return -1.0 if self.wave.leftward else 1.0
+        return super().instants(stop)
 
     @property
     def longest_step(self) -> float:
-        """See Motion."""
         if isinstance(self.wave, SolitaryWave):
             return SHARE * 2.0 * np.pi / (self.wave.rate * self.wave.celerity)
-        return SHARE * self.wave.period
+        return super().longest_step
 
     @property
     def top_rate(self) -> float:
-        """See Motion; of irregular motion, four standard deviations."""
         if isinstance(self.wave, SolitaryWave):
             return float(np.abs(_solitary(self.wave, self.tail)[0].points[:, 1]).max())
-        a, w, _ = _cached_harmonics(self)
-        return float(4.0 * np.sqrt(0.5 * ((a * w) ** 2).sum()) if len(a) > 2 else np.abs(a * w).sum())
+        return super().top_rate
 
 
-class FlapStroke(Rotation):
+class FlapStroke(_Stroke, Rotation):
     """The motion of a hinged wall that makes a regular wave or a Jonswap.
 
     wave : the wave; centre : the hinge (x, y) [m]; bed : height y of the bed [m]; ramp, second_order : as of a
         PistonStroke
 
-    Examples
-    --------
     >>> stroke = FlapStroke(Airy(height=0.05, period=1.2, depth=0.5), centre=(0.0, 0.1))
     >>> print(f"{abs(stroke.law(0.0)[0]):.3f} rad")    # at rest at the start
     0.000 rad
@@ -276,7 +299,6 @@ class FlapStroke(Rotation):
         return self.bed + self.wave.depth - self.centre[1]
 
     def ratio(self, k: float) -> float:
-        """Return the height of waves over the stroke at the still surface."""
         return flap_ratio(k, self.wave.depth, self.centre[1] - self.bed)
 
     @property
@@ -285,29 +307,6 @@ class FlapStroke(Rotation):
         hinge = self.centre[1] - self.bed
         return lambda y: (y - hinge) / self._arm, max(hinge, 0.0)
 
-    def law(self, t: float) -> tuple[float, float, float]:
-        """See Motion: a displacement towards +x is a turn with the clock."""
-        return _scaled(self._scale, _sum(self, t))
-
-    def values_at(self, times: Floats) -> Floats:
-        """See Motion."""
-        return self._scale * _values(self, times)
-
     @property
-    def _scale(self) -> float:
+    def _scale(self) -> float:    # a displacement towards +x is a turn with the clock
         return (1.0 if self.wave.leftward else -1.0) / self._arm
-
-    def instants(self, stop: float) -> Floats:
-        """See Motion."""
-        return _instants(self, stop)
-
-    @property
-    def longest_step(self) -> float:
-        """See Motion."""
-        return SHARE * self.wave.period
-
-    @property
-    def top_rate(self) -> float:
-        """See Motion; of irregular motion, four standard deviations."""
-        a, w, _ = _cached_harmonics(self)
-        return float((4.0 * np.sqrt(0.5 * ((a * w) ** 2).sum()) if len(a) > 2 else np.abs(a * w).sum()) / self._arm)

@@ -35,8 +35,6 @@ class Airy(Travelling):
     height [m], period [s], depth [m]. Above the still surface the velocity goes on as it is below. The error is of the
     order of the steepness.
 
-    Examples
-    --------
     >>> wave = Airy(height=0.05, period=1.2, depth=0.5)
     >>> print(f"{wave.length:.2f} m, {wave.elevation(0.0, 0.6):+.3f} m")    # half a period after the crest
     2.05 m, -0.025 m
@@ -92,8 +90,6 @@ class StandingWave(WaveField):
     phase = pi/2 the water is at rest. High waves start better flat: what the raised surface of linear theory lacks goes
     along as free waves.
 
-    Examples
-    --------
     >>> wave = StandingWave(amplitude=0.02, length=2.0, depth=1.0, phase=pi / 2)
     >>> print(f"{wave.elevation(0.0, 0.0):.3f} m, {wave.omega:.2f} rad/s")
     0.020 m, 5.54 rad/s
@@ -118,13 +114,11 @@ class StandingWave(WaveField):
         return float(angular_frequency(self.k, self.depth, self.g))
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         along, swing = np.cos(self.k * (np.asarray(x) - self.at)), np.sin(self.omega * np.asarray(t) + self.phase)
         eta: Floats = self.amplitude * along * swing
         return eta
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """See WaveField."""
         x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float), y, t)
         cosh, sinh = transfer(self.k, y, self.depth)
         scale = self.amplitude * self.omega * np.cos(self.omega * t + self.phase)

@@ -36,8 +36,6 @@ BLOCK = 2048    # points that are computed at a time, so that they stay in the c
 class Solitary:
     """A solitary wave in units of depth and gravity, with its crest at x = 0.
 
-    Attributes
-    ----------
     F : speed; half : half the period in alpha
     eta : (m,) harmonics of the elevation over alpha, cos(n pi alpha/half)
     mass, kinetic, potential : area of the wave and its energies

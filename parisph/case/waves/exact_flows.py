@@ -16,8 +16,6 @@ def column_start_pressure(x: Values, y: Values, width: float, height: float, den
     y = 0: p = rho g H (1 - y/H - sum_n 8/((2n-1) pi)^2 cos(a_n y) cosh(a_n x)/cosh(a_n L)), with
     a_n = (2n-1) pi/(2H).
 
-    Parameters
-    ----------
     x, y : [m], they broadcast
     width, height : of the column [m]
     """
@@ -39,14 +37,11 @@ def drop_half_axes(times: Floats, radius: float, rate: float, stiffness: float =
     the pressure is a paraboloid that vanishes on the ellipse. Hence a' = s a, b' = -s b and
     s' = (s^2 + stiffness^2)(b^2 - a^2)/(a^2 + b^2).
 
-    Parameters
-    ----------
     times : (n,) increasing, from 0 on [s]
     radius [m], rate [1/s], stiffness [1/s]
     steps : of the Runge-Kutta integration to the last time
 
-    Returns
-    -------
+    Returns:
     a, b : (n,) [m]
     """
     times = np.asarray(times, dtype=float)

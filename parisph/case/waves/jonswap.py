@@ -70,8 +70,6 @@ class Jonswap(WaveField):
     Frequencies are from 0.5 to 4 times that of the peak. Below the surface, velocities are those at the same share of
     the depth (Wheeler), because the shortest waves would grow without limit under the crests of the longest.
 
-    Examples
-    --------
     >>> sea = Jonswap(height=0.06, period=1.5, depth=0.5, seed=3)
     >>> sea.elevation(0.0, [0.0, 0.5, 1.0]).shape
     (3,)
@@ -100,7 +98,6 @@ class Jonswap(WaveField):
         return self
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         x, t = np.broadcast_arrays(self._sign * np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         eta = np.zeros(x.shape)
         for amplitude, omega, k, phase in zip(*components_of(self)):
@@ -108,7 +105,6 @@ class Jonswap(WaveField):
         return eta
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """See WaveField."""
         x, y, t = np.broadcast_arrays(
             np.asarray(x, dtype=float), np.asarray(y, dtype=float), np.asarray(t, dtype=float)
         )

@@ -21,15 +21,12 @@ def sway_sloshing_elevation(x: ArrayLike, t: ArrayLike, length: float, depth: fl
 
     Z14 Eqs 34 and 35 after Faltinsen, with a plus sign for this X (printed: minus), less the depth.
 
-    Parameters
-    ----------
     x : distance from the left wall [m]; t : [s]; they broadcast
     length, depth : of the water [m]
     amplitude [m], frequency [rad/s] : of the sway
     modes : the series runs over the odd mode numbers below this
 
-    Returns
-    -------
+    Returns:
     array of the broadcast shape [m]
     """
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
@@ -69,8 +66,6 @@ class Sloshing(WaveField):
 
     length, depth : of the water [m]; amplitude [m] and frequency [rad/s] : of the sway; at : x of the left wall [m]
 
-    Examples
-    --------
     >>> wave = Sloshing(length=2.0, depth=0.5, amplitude=0.002, frequency=2.7)
     >>> print(f"{abs(wave.elevation(0.0, 0.0)):.3f} m")    # flat at the start
     0.000 m
@@ -85,7 +80,6 @@ class Sloshing(WaveField):
     g: Gravity = 9.81
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         x = np.asarray(x, dtype=float) - self.at
         return sway_sloshing_elevation(x, t, self.length, self.depth, self.amplitude, self.frequency, self.g)
 

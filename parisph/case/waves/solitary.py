@@ -75,8 +75,6 @@ class SolitaryWave(Travelling):
     theory : "exact", the steady solution of the full equations, to about 1e-9; "grimshaw", of third order: the error of
         the profile is 0.2 % at height/depth = 0.2 and 3 % at 0.6; "boussinesq", sech^2: 5 and 7 %
 
-    Examples
-    --------
     >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
     >>> print(f"{wave.celerity:.3f} m/s, {wave.elevation(2.0, 0.0):.3f} m")
     1.714 m/s, 0.050 m

@@ -106,8 +106,6 @@ class Stokes(Travelling):
     The mean Eulerian current is zero. The theory is for waves that are not long: height length^2/depth^3 up to
     about 40; use StreamFunction for longer ones.
 
-    Examples
-    --------
     >>> wave = Stokes(height=0.1, period=1.2, depth=0.5)
     >>> print(f"crest {wave.elevation(0.0, 0.0):.3f} m, trough {wave.elevation(0.0, 0.6):.3f} m")
     crest 0.056 m, trough -0.044 m

@@ -140,8 +140,6 @@ class StreamFunction(Travelling):
     order : number of terms; long and high waves need more
     closed : whether the mean flux is zero, as in a closed flume; else the mean Eulerian current is zero
 
-    Examples
-    --------
     >>> wave = StreamFunction(height=0.1, period=3.0, depth=0.3)
     >>> crest, trough = wave.elevation(0.0, 0.0), wave.elevation(0.0, 1.5)
     >>> print(f"height {crest - trough:.3f} m, crest {crest:.3f} m")

@@ -60,11 +60,9 @@ class Travelling(WaveField):
         """Return the velocity (u, v) [m/s] of a wave towards +x, at distances ahead of the crest and heights y [m]."""
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """See WaveField."""
         return self._profile(self._ahead(x, t))
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """See WaveField."""
         ahead, y = np.broadcast_arrays(self._ahead(x, t), np.asarray(y, dtype=float))
         u, v = self._flow(ahead, y)
         return self._sign * u, v

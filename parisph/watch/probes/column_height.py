@@ -17,8 +17,6 @@ class ColumnHeight(Gauge):
     the lattice lie on the surface: nothing is added to their height. Air of more than 2.1 spacings ends the column;
     above a particle inside the fluid, of 3.35. A dry bed gives the height of the bed.
 
-    Examples
-    --------
     >>> ColumnHeight("column", at=0.0).at
     0.0
     """

@@ -10,7 +10,7 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import WET
 from parisph.case.probes import Probe
 from parisph.geometry.mesh import CONCAVE, CONVEX
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 CELL = 2.6    # spacings: neighbours that bound the cell of a particle; the lists of every method have them
 
@@ -28,8 +28,6 @@ class Energy(Probe):
     current : whether also by the volumes that particles represent now, not only by those at the start, with the sum of
         these: what a particle represents changes when it comes to a wall or to the surface, or leaves it
 
-    Examples
-    --------
     >>> Energy("energy", current=True).current
     True
     """
@@ -45,7 +43,7 @@ class Energy(Probe):
     def title(self, scene: Any) -> str:
         return "Energy of the fluid" + ", by the volumes at the start and by those now" * self.current
 
-    def columns_in(self, scene: Scene) -> dict[str, str]:
+    def columns_in(self, scene: ProbeScene) -> dict[str, str]:
         if self.current and scene.dim != 2:
             raise CaseError(f"probe {self.name!r}: current volumes exist in 2D only; leave out current=True")
         found = {name: "J/m" if scene.dim == 2 else "J" for name in self.columns}

@@ -9,7 +9,7 @@ from pydantic import Field
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.probes import Probe
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.watch.sampling import View
 
 
@@ -27,8 +27,6 @@ class Flux(Probe):
     pause : time without water passing that ends an event [s]. With it, the summary tells each event with its start, its
         end and its volume, as of crests that come over a wall; their sum is the total. None for no events
 
-    Examples
-    --------
     >>> Flux("over", start=(4.0, 0.5), end=(4.0, 1.0), pause=0.3).pause
     0.3
     """
@@ -51,7 +49,7 @@ class Flux(Probe):
         ends = f"{point(self.start)} to {point(self.end)}"
         return f"Water that passes the line from {ends} m, positive from its left to its right"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         middle = tuple(0.5 * (a + b) for a, b in zip(self.start, self.end))
         yield from list(probe_checks.line(case, self.start, self.end)) or probe_checks.inside(
             case, "the middle of the line", [middle, self.start, self.end])

@@ -11,13 +11,13 @@ from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.expressions import uniform_field
 from parisph.case.probes import Measure, OfPressure, Point
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places, on_side
 from parisph.geometry.solid import solid_of
 from parisph.methods.rigid_bodies import PressureLoad, node_pressures
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 from parisph.watch.walls_now import WallsNow
 
 DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
@@ -40,6 +40,9 @@ class Force(OfPressure):
     impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
     step.
 
+    In an impact the impulse is up to 4 % more than the momentum that the fluid loses: particles of a surface that lands
+    stand for half a cell, and push as a whole one.
+
     on : name of the body
     side : of a tank; None for all of it
     about : point of the moment [m]
@@ -47,8 +50,6 @@ class Force(OfPressure):
     acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
         moment_acted
 
-    Examples
-    --------
     >>> Force("load", side="right", about=(1.0, 0.0)).side
     'right'
     """
@@ -64,7 +65,7 @@ class Force(OfPressure):
     about: Point = (0.0, 0.0)
     still: Optional[float] = Field(default=None, description="height of the still level, for the dynamic part [m]")
 
-    def title(self, scene: Scene) -> str:
+    def title(self, scene: ProbeScene) -> str:
         what = f"{self.on}{f', {self.side} side' * bool(self.side)}"
         dynamic = "" if self.still is None else f"; dynamic: less that of water at rest up to y = {self.still:g} m"
         return (f"Force of the pressure on {what}, and its moment about {point(self.about)} m, with the hydrostatic "
@@ -74,12 +75,12 @@ class Force(OfPressure):
         found = dict(self.columns)
         return found if self.still is None else found | {f"{name}_dynamic": unit for name, unit in found.items()}
 
-    def at_rest(self, scene: Scene, x: Floats) -> Floats:
+    def at_rest(self, scene: ProbeScene, x: Floats) -> Floats:
         """Return the pressure (n,) [Pa] at x (n, 2) [m] of water at rest up to the still level; 0 above it."""
         found: Floats = -scene.density * scene.gravity[-1] * np.maximum((self.still or 0.0) - x[:, -1], 0.0)
         return found
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         yield from probe_checks.components(case, point=self.about)
         if self.still is not None:
             force = None if case.turns else uniform_field(case.gravity)
@@ -105,14 +106,14 @@ class Force(OfPressure):
         """Return the elements (n, 2) whose pressure it adds up: those of its body, or of one side of it."""
         return on_side(mesh, [body.name for body in mesh.bodies].index(self.on), self.side)
 
-    def begin(self, scene: Scene) -> Measure:
+    def begin(self, scene: ProbeScene) -> Measure:
         return BodyForce(self, scene)
 
 
 class BodyForce(Measure):
     """Load of the pressure on a body where its nodes are now (methods.rigid_bodies.PressureLoad)."""
 
-    def __init__(self, probe: Force, scene: Scene) -> None:
+    def __init__(self, probe: Force, scene: ProbeScene) -> None:
         self.probe, self.scene, now = probe, scene, scene.now
         assert now is not None    # its body is a wall
         mesh, elements = now.mesh, probe.elements(now.mesh)
@@ -147,7 +148,7 @@ class BodyForce(Measure):
         return found
 
 
-def _faces(scene: Scene, now: WallsNow, on: str) -> list[Ints]:
+def _faces(scene: ProbeScene, now: WallsNow, on: str) -> list[Ints]:
     """Return the nodes at the first and the last point of the face of each wavemaker but the body `on` itself.
 
     Fluid is left of the way from one to the other.

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 
 class Momentum(Probe):
@@ -15,8 +15,6 @@ class Momentum(Probe):
 
     It is that of all fluid, in the tank's frame [kg/s per metre of width].
 
-    Examples
-    --------
     >>> Momentum("momentum").name
     'momentum'
     """
@@ -26,7 +24,7 @@ class Momentum(Probe):
 
     kind: Literal["momentum"] = Field(default="momentum", init=False)
 
-    def columns_in(self, scene: Scene) -> dict[str, str]:
+    def columns_in(self, scene: ProbeScene) -> dict[str, str]:
         return {f"p{axis}": "kg/s" if scene.dim == 2 else "kg m/s" for axis in "xyz"[:scene.dim]}
 
     def sums(self, view: View) -> Floats:

@@ -12,12 +12,12 @@ from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import Plate
 from parisph.case.probes import WIDTH, Measure, OfPressure
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.geometry.distance import area_vectors, nearest, unit_normals
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places
 from parisph.geometry.solid import Wall, in_fluid
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 FACING = 1e-6   # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
@@ -44,8 +44,6 @@ class PressureTap(OfPressure):
     A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end. It is a
     mean in time, as of a Force.
 
-    Examples
-    --------
     >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
     True
     >>> PressureTap("P1", at=(3.22, 0.16), diameter=0.09).diameter
@@ -74,16 +72,12 @@ class PressureTap(OfPressure):
         disc = "" if self.diameter is None else f", mean over a disc of {self.diameter:g} m"
         return f"Pressure on the wall at {point(self.at)} m{disc}"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         """See Probe. Whether it lies on a wall is for `misplaced`."""
         if case.walls is None:
             yield "a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
         elif found := list(probe_checks.components(case, at=self.at)):
             yield from found
-
-    def _beside_a_corner(self) -> str:
-        return (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
-                "move it away from the corner, or give a smaller one")
 
     def misplaced(self, places: Places) -> Iterator[str]:
         """See Probe: it is on a wall, on the side of it where fluid comes."""
@@ -109,7 +103,8 @@ class PressureTap(OfPressure):
         elif hidden:
             yield f"at = {self.at} is behind {hidden[0]}, where no fluid comes; move it"
         elif self.diameter is not None and not _on_face(mesh, element, foot[0], normal, 0.5 * self.diameter, s):
-            yield self._beside_a_corner()
+            yield (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
+                   "move it away from the corner, or give a smaller one")
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """See Probe: the water may leave it."""
@@ -117,8 +112,8 @@ class PressureTap(OfPressure):
         if values[0, 0] > 0.0:
             yield "emptied", np.abs(values[0]) <= DRY * np.nanmax(np.abs(values[0]))
 
-    def begin(self, scene: Scene) -> "Tap":
-        return Tap(self, scene) if self.diameter is None else Disc(self, scene)
+    def begin(self, scene: ProbeScene) -> "Tap":
+        return Tap(self, scene) if self.diameter is None else DiscTap(self, scene)
 
 
 class Tap(Measure):
@@ -127,7 +122,7 @@ class Tap(Measure):
     The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts.
     """
 
-    def __init__(self, probe: PressureTap, scene: Scene) -> None:
+    def __init__(self, probe: PressureTap, scene: ProbeScene) -> None:
         self.probe, self.scene, self.at = probe, scene, np.array(probe.at)
         self.radius = max(scene.spacing, probe.radius or RADIUS * scene.spacing)
         now = scene.now
@@ -167,13 +162,13 @@ class Tap(Measure):
         return (fitted_at_tap(sums, 1 + np.count_nonzero(~self.across)),)
 
 
-class Disc(Tap):
+class DiscTap(Tap):
     """Mean of the pressure over the disc of a sensor, whose chords weight the places along the wall (2D).
 
     Between wall particles the pressure is linear; the integral is exact.
     """
 
-    def __init__(self, probe: PressureTap, scene: Scene) -> None:
+    def __init__(self, probe: PressureTap, scene: ProbeScene) -> None:
         super().__init__(probe, scene)
         if scene.dim != 2:
             raise CaseError(f"probe {probe.name!r}: the disc of a sensor exists in 2D only; leave out diameter")

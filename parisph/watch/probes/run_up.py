@@ -13,16 +13,17 @@ from parisph.base.probe_rows import BODY, HEIGHT
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import motion_of
+from parisph.case.model import Several
 from parisph.case.motion import AtRest, Motion, Rotation
 from parisph.case.probes import WIDTH, Measure, Point, Probe
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places, on_side
 from parisph.watch.gauges import COLUMN_GAP, bodies, bodies_of_all, body_rows
 from parisph.watch.probes.surface_gauge import surface, surface_rows
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 # Lengths in spacings.
 TOUCH = 2.0       # water as near to the line as this touches it: a stretched lattice begins up to 1.5 beside a slope
@@ -49,8 +50,6 @@ class RunUp(Probe):
     film : along a line: thinnest film that counts [m]. In one of thickness h, particles of spacing s are s^2/h apart.
         None to let water end where they are 2.1 spacings apart, in a film of half a spacing, and to leave out spray
 
-    Examples
-    --------
     >>> RunUp("wall", side="right").on
     'tank'
     >>> RunUp("beach", points=[(4.0, 0.0), (6.0, 0.5)]).points[1]
@@ -64,7 +63,7 @@ class RunUp(Probe):
     kind: Literal["run_up"] = Field(default="run_up", init=False)
     on: str = Field(default="tank", description="name of the body")
     side: Literal["left", "right"] | None = Field(default=None, description="side of the body, or end of the profile")
-    points: Optional[tuple[Point, ...]] = Field(default=None, min_length=2, max_length=10_000,
+    points: Optional[Several[Point]] = Field(default=None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
     film: Optional[float] = Field(default=None, gt=0.0, description="thinnest film that counts [m]")
 
@@ -75,13 +74,13 @@ class RunUp(Probe):
             raise ValueError("give either a side of the tank, side='left' or 'right', or the points of a line")
         return self
 
-    def title(self, scene: Scene) -> str:
+    def title(self, scene: ProbeScene) -> str:
         found = self.begin(scene)
         if isinstance(found, LineRunUp):
             return f"Highest water along the line from {point(found.points[0])} to {point(found.points[-1])} m"
         return f"Highest water at the {self.side} side of the {self.on}"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         wrong = [line for x in self.points or () for line in probe_checks.components(case, point=x)]
         yield from wrong
         if self.points is not None:
@@ -137,7 +136,7 @@ class RunUp(Probe):
                 yield (f"no fluid comes to the {self.side} side of {self.on}, which is behind another body; "
                        "give on= the name of that body")
 
-    def begin(self, scene: Scene) -> Measure:
+    def begin(self, scene: ProbeScene) -> Measure:
         """See Probe. Raises CaseError for a line that does not exist."""
         kind, now = scene.kinds.get(self.on), scene.now
         line = None if self.points is None else np.array(self.points, dtype=float)
@@ -180,7 +179,7 @@ class LineRunUp(Measure):
     that is dry, it is the first point.
     """
 
-    def __init__(self, probe: RunUp, scene: Scene, points: Floats, motion: Motion = AtRest()) -> None:
+    def __init__(self, probe: RunUp, scene: ProbeScene, points: Floats, motion: Motion = AtRest()) -> None:
         self.probe, self.scene, points = probe, scene, _corners(points)
         self.points, self._start, self._motion = points, points, motion
         s = scene.spacing

@@ -25,8 +25,6 @@ class SurfaceGauge(Gauge):
     It is a smooth fit if the surface is smooth (`surface_height`). Where the surface breaks, the value is
     that of a ColumnHeight; on a dry bed it is the height of the bed.
 
-    Examples
-    --------
     >>> SurfaceGauge("gauge", at=0.25).name
     'gauge'
     """

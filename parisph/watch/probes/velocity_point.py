@@ -10,7 +10,7 @@ from parisph.base.arrays import Floats
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.probes import Point
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.geometry.probe_places import Places
 from parisph.watch.points import AtPoints
 
@@ -20,8 +20,6 @@ TIE = 1e-6    # spacings: the point may be so near to a wall
 class VelocityPoint(AtPoints):
     """Velocity u, v [m/s] and pressure p [Pa] at the point `at` [m]; nan outside the fluid.
 
-    Examples
-    --------
     >>> VelocityPoint("below", at=(2.0, 0.1)).at
     (2.0, 0.1)
     """
@@ -36,7 +34,7 @@ class VelocityPoint(AtPoints):
     def title(self, scene: Any) -> str:
         return f"Velocity and pressure at {point(self.at)} m"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         yield from list(probe_checks.components(case, at=self.at)) or probe_checks.inside(case, "at", [self.at])
 
     def misplaced(self, places: Places) -> Iterator[str]:

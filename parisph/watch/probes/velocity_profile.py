@@ -10,7 +10,7 @@ from parisph.base.arrays import Floats
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.probes import Point
-from parisph.case.scene import Scene as Described
+from parisph.case.scene import Scene
 from parisph.geometry.probe_places import Places
 from parisph.watch.points import AtPoints
 
@@ -20,8 +20,6 @@ class VelocityProfile(AtPoints):
 
     The columns of point k are u_k, v_k and p_k; the first point is 0. Points outside the fluid have nan.
 
-    Examples
-    --------
     >>> VelocityProfile("middle", start=(0.5, 0.0), end=(0.5, 1.0), points=3).places.tolist()
     [[0.5, 0.0], [0.5, 0.5], [0.5, 1.0]]
     """
@@ -39,7 +37,7 @@ class VelocityProfile(AtPoints):
     def title(self, scene: Any) -> str:
         return f"Velocity and pressure at {self.points} points from {point(self.start)} to {point(self.end)} m"
 
-    def problems(self, case: Described) -> Iterator[str]:
+    def problems(self, case: Scene) -> Iterator[str]:
         return probe_checks.line(case, self.start, self.end)
 
     def misplaced(self, places: Places) -> Iterator[str]:

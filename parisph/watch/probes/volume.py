@@ -19,8 +19,6 @@ class Volume(Probe):
     of another shape may start with other cells. Inside means: inner particles farther than 2.1 spacings from every
     surface and ballistic particle; nan if there are none.
 
-    Examples
-    --------
     >>> Volume("volume", every=10).every
     10
     """
@@ -40,8 +38,7 @@ class Volume(Probe):
 
         p, d, s = view.particles, view.domain, view.scene.spacing
         cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
-        found: Floats = interior_cells(cloud, INSIDE * s, d.radius)
-        return found
+        return np.array(interior_cells(cloud, INSIDE * s, d.radius))
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
         return (sums[0] / (sums[1] * view.scene.spacing**2) if sums[1] else np.nan), sums[1]

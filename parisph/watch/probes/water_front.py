@@ -8,7 +8,7 @@ from pydantic import Field
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
 from parisph.watch.gauges import BED, BED_GAP, ROUNDING, bodies, bodies_of_all, body_rows
-from parisph.watch.sampling import Scene, View
+from parisph.watch.sampling import ProbeScene, View
 
 
 class WaterFront(Probe):
@@ -18,8 +18,6 @@ class WaterFront(Probe):
     that has no gap of more than 2.1 spacings along x, so that a droplet ahead is not the front. Without a tank the same
     of all the fluid.
 
-    Examples
-    --------
     >>> WaterFront("front").kind
     'water_front'
     """
@@ -29,7 +27,7 @@ class WaterFront(Probe):
 
     kind: Literal["water_front"] = Field(default="water_front", init=False)
 
-    def title(self, scene: Scene) -> str:
+    def title(self, scene: ProbeScene) -> str:
         return ("Position of the water's foremost particle along the bed" if scene.tank or scene.now is not None
                 else "Foremost position of the fluid")
 

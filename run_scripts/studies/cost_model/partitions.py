@@ -54,8 +54,6 @@ class Points:
     x : (n, dim) [m]; lower, upper : (dim,) corners of the scene's box [m]; width : of the halo [m]
     weights : (n,) int64, work of each particle, 1 by default
 
-    Attributes
-    ----------
     cells, counts, work : (m,) int64, keys of the cells with particles, sorted; their particles; and the work of these
     """
 

@@ -9,21 +9,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import (
-    Disc,
-    Fluid,
-    Heave,
-    Obstacle,
-    PressureTap,
-    ProbeArray,
-    StillWater,
-    SurfaceGauge,
-    Tank,
-    VelocityPoint,
-)
+from parisph import Disc, Fluid, Heave, Obstacle, PressureTap, ProbeArray, StillWater, SurfaceGauge, Tank, VelocityPoint
 from parisph.base.fields import FLUID, SURFACE
-from parisph.driver import run, touched
-from parisph.driver.doubts import LIMITS, advice, heights, of_gauges
+from parisph.driver import probe_gaps, run
+from parisph.driver.diagnostics import LIMITS, advice, heights, of_gauges
 from parisph.driver.summary import Account
 from parisph.io import info
 from tests.hard.tanks import swayed
@@ -114,7 +103,7 @@ def test_probes_that_were_emptied_or_out_of_the_water_are_named():
               "v": {"u": [0.0, 0.1, nan, 0.1, 0.1], "v": [0.0, 0.0, nan, 0.0, 0.0], "p": [1.0, 1.0, nan, 1.0, 1.0]}}
     tables = {name: np.rec.fromarrays([t, t.astype(int), *map(np.array, columns.values())],
                                       names=["time", "step", *columns]) for name, columns in series.items()}
-    assert touched.probes(case, SimpleNamespace(probe=tables.__getitem__)) == {
+    assert probe_gaps.gaps(case, SimpleNamespace(probe=tables.__getitem__)) == {
         "row.a": "emptied in 40% of its samples, first at t = 2 s",
         "row.b": "out of range, above the walls, in 20% of its samples, first at t = 3 s",
         "wet": "emptied in 20% of its samples, first at t = 1 s",
@@ -125,29 +114,29 @@ def test_energy_in_motion_is_judged_by_the_surface(simulated):
     """Particles that are moved inside change the whole energy, and no wave; a surface that rises does."""
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
-    account = Account.new()
+    account = Account()
     account.start(s)
     p = s.particles
     inside = (p.kind == FLUID) & (p.role != SURFACE)
     p.x[inside, 1] += 0.01
     account.measure(s)
-    assert account.conservation.energy.extremes()["high"] > 0.005 and not account.warnings()
+    assert account.diagnostics.conservation.energy.extremes()["high"] > 0.005 and not account.warnings()
     u = p.u.copy()
     p.u *= 1.2
     account.measure(s)
     p.u[:] = u
     assert any("the energy in motion was 1.4" in line for line in account.warnings())
-    assert json.loads(json.dumps(account.conservation.content()))["energy_in_motion"]["high"] > 0.0
+    assert json.loads(json.dumps(account.diagnostics.conservation.content()))["energy_in_motion"]["high"] > 0.0
     p.role[inside] = SURFACE    # torn: the surface has no elevation, and the whole energy counts again
     account.measure(s)
-    assert account.conservation.content()["energy_in_motion"]["end"] is None
+    assert account.diagnostics.conservation.content()["energy_in_motion"]["end"] is None
     assert any("the energy was +" in line for line in account.warnings())
 
 
 def test_a_restart_knows_what_was_seen(simulated):
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
-    account = Account.new()
+    account = Account()
     account.start(s)
     assert not account.warnings()
     two = np.flatnonzero(s.particles.kind == 0)[:2]
@@ -155,7 +144,7 @@ def test_a_restart_knows_what_was_seen(simulated):
     s.particles.x[two[1]] = s.particles.x[two[0]] + [0.01, 0.0]
     account.measure(s)
     s.particles.x[two[1]] = x
-    resumed = Account.resumed(json.loads(json.dumps(account.state(s))))
+    resumed = Account(json.loads(json.dumps(account.state(s))))
     resumed.start(s)
     for known in (account, resumed):
         (line,) = known.warnings()

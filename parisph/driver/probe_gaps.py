@@ -1,4 +1,4 @@
-"""Which probes of a run were touched by what they do not measure: out of the water, dry, or above the walls."""
+"""Samples in which a probe had nothing to measure: its place was out of the water, dry, or above the walls."""
 
 import numpy as np
 
@@ -6,17 +6,17 @@ from parisph.base.arrays import Flags
 from parisph.case.schema import Case
 from parisph.io.reader import Run
 from parisph.truth.recorded import probe_records
-from parisph.watch.sampling import Scene
+from parisph.watch.sampling import ProbeScene
 
 
-def probes(case: Case, run: Run) -> dict[str, str]:
-    """Return {probe: what touched it, for how much of its samples, and when first}. Not collective.
+def gaps(case: Case, run: Run) -> dict[str, str]:
+    """Return {probe: why it measured nothing, in how much of its samples, and when first}. Not collective.
 
     Without a number: the place was not in the fluid. Emptied: gauges and taps that had water at first. Out of range:
     gauges whose surface was above the walls. Probes in arrays are named as in "gauges.x1".
     """
     found = {}
-    scene = Scene.of(case)
+    scene = ProbeScene.of(case)
     for record in probe_records(case, run, lambda probe: True):
         if not record.columns or not len(record.table):
             continue

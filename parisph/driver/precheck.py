@@ -48,7 +48,7 @@ def warnings(case: Case, count: Mapping[str, int], expected: scales.Scales) -> I
     yield from scene_checks.warnings(case)
     yield from _about_the_step(case)
     yield from _about_flaps(case)
-    yield from doubts(case, count, expected)
+    yield from early_warnings(case, count, expected)
 
 
 def _about_the_step(case: Case) -> Iterator[str]:
@@ -68,7 +68,7 @@ def _about_flaps(case: Case) -> Iterator[str]:
                "numerics.regularisers")
 
 
-def doubts(case: Case, count: Mapping[str, int], expected: scales.Scales, ranks: int = 1) -> Iterator[str]:
+def early_warnings(case: Case, count: Mapping[str, int], expected: scales.Scales, ranks: int = 1) -> Iterator[str]:
     """Yield what makes the results of a case doubtful before it is run, or its end far away, one line each.
 
     ranks : that share the work
