@@ -19,7 +19,7 @@ from parisph.methods.last_waves import LastWaves
 from parisph.methods.reports import ProjectionReport
 from parisph.methods.sliding import write_wall_velocity
 from parisph.methods.step_state import StepState
-from parisph.methods.stepping import STEPPINGS, Accelerations
+from parisph.methods.stepping import SHORT, STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
 from parisph.methods.velocities import keep_in_tank
 from parisph.pressure import groups
@@ -32,7 +32,6 @@ BODIES = 4           # bodies of fluid without a surface, at most, that get one
 # wall one layer after the other, which is more than the .3 spacings there. P2 of the dam break at H/s = 40, three
 # starts: errors of .057 and .056 with adaptive steps and half of them; .061 and .058 with 1, .057 and .057 with 4.
 AT_WALLS = 2.0       # tuned 1 to 4: distance of the knots of mean pressures on walls over the resolved time; measured
-SHORTENED = 0.5      # tuned 0.25 to 1: of the usual step: one that is shortened more has no own mean; judged
 ROUNDING = 1e-3      # spacings within which two particles are equally high
 Matrix = tuple[Ints, Ints, Floats]    # CSR
 Equation = tuple[Matrix, Floats, int]    # the matrix, the right-hand side, and the number of isolated particles
@@ -149,7 +148,7 @@ class Projection:
         p, step = self.flow.particles, self.flow.step
         share = step.dt / max(step.usual, float(np.finfo(float).tiny))
         acted = p.p.copy()
-        if 0.0 < share < SHORTENED:
+        if 0.0 < share < SHORT:
             p.p[:] = p.p_before + share * (p.p - p.p_before)
         try:
             yield
@@ -409,7 +408,7 @@ class Projection:
         p, mean = flow.particles, flow.numerics.pressure_mean
         time = mean * resolved_time(p.comm, p, flow.spacing, flow.step.force[:p.n_owned], acceleration,
                                     flow.walls.acceleration(flow)) if mean else 0.0
-        return max(AT_WALLS * time, SHORTENED * flow.step.usual)
+        return max(AT_WALLS * time, SHORT * flow.step.usual)
 
     def pressure_gradient(self, f: Floats, slope: Floats | None = None,
                           laplacian: Floats | None = None) -> Floats:

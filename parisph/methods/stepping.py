@@ -10,7 +10,8 @@ from parisph.parallel.particles import Particles
 
 SHARE = 1.0 / 12.0    # of dt^2 a, by which a kick must be evaluated ahead for a frequency of fourth order
 FADES = 0.75          # tuned 0.375 to 0.95: step over sqrt(s/g) beyond which the share falls, as power -4; judged
-SHORT = 0.5           # tuned 0.25 to 1: part of the usual step; a shorter one is not remembered; judged
+# The acceleration of a shorter step is not remembered, and its pressure on walls has no mean of its own.
+SHORT = 0.5           # tuned 0.25 to 1: part of the usual step, below which a step is a short one; judged
 
 
 @dataclass(frozen=True)

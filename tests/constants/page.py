@@ -24,7 +24,8 @@ in the sources and from what `python -m tests.constants study` has found.
 The scenes are {scenes}. An effect is a failure, or a measure whose mean differs by more than {scatters:g} standard \
 errors from that of twelve starts of the unchanged code (these are in brackets), or by more than {change:.0%} in the \
 standing wave. By chance, a number without any effect shows one of less than {certain:g} in three cases of four: such \
-are marked "perhaps". In one case of twenty it shows a greater one. The strongest two are given. "unused" means that nothing changes in any digit. {count} numbers.
+are marked "perhaps". In one case of twenty it shows a greater one. \
+The strongest two are given. "unused" means that nothing changes in any digit. {count} numbers.
 """
 
 
