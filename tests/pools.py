@@ -104,15 +104,17 @@ class Pool:
 
     def ratio(self):
         """Return the density ratio with h = 1.3 s, (n,)."""
-        alpha = np.full(self.n, np.nan)
-        density.completed_density(alpha, self.cloud, self.walls, *self._completion)
-        return alpha
+        return self.completed()[0]
 
     def concentration(self):
         """Return its gradient (n, dim) [1/m]."""
-        out = np.full((self.n, self.dim), np.nan)
-        density.completed_gradient(out, self.cloud, self.walls, *self._completion)
-        return out
+        return self.completed()[1]
+
+    def completed(self):
+        """Return both."""
+        ratio, gradient = np.full(self.n, np.nan), np.full((self.n, self.dim), np.nan)
+        density.completed_density(ratio, gradient, self.cloud, self.walls, *self._completion)
+        return ratio, gradient
 
     def quality(self, radius, power):
         """Return det/(trace/dim)^dim of the moment of each particle's neighbours, as least squares weigh them: (n,)."""

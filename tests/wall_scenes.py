@@ -63,9 +63,11 @@ class Scene:
         cloud, _ = self.records()
         return cloud.indptr, cloud.indices
 
-    def _completed(self, kernel, out):
-        kernel(out, *self.records(), self.weight, self.area, self.table)
-        return out[:self.n]
+    def completed(self):
+        """Return the completed density ratio of the fluid (n,), and its gradient (n, dim) [1/m]."""
+        ratio, gradient = np.empty(len(self.x)), np.empty(self.x.shape)
+        density.completed_density(ratio, gradient, *self.records(), self.weight, self.area, self.table)
+        return ratio[:self.n], gradient[:self.n]
 
     def pack(self, steps=packing.STEPS):
         """Move the inner fluid until it lies evenly."""
@@ -75,11 +77,11 @@ class Scene:
 
     def alpha(self):
         """Return the completed density ratio of the fluid (n,)."""
-        return self._completed(density.completed_density, np.empty(len(self.x)))
+        return self.completed()[0]
 
     def gradient(self):
         """Return its gradient (n, dim) [1/m]."""
-        return self._completed(density.completed_gradient, np.empty(self.x.shape))
+        return self.completed()[1]
 
 
 def filled(shape, walls, spacing):

@@ -143,16 +143,6 @@ def _plane(d, h, dim):
     return np.trapz(w * (2.0 if dim == 2 else 2.0 * np.pi * t), t, axis=1)
 
 
-def node_terms(weight: np.ndarray, area: np.ndarray, filled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return weight and area of particles when fluid stands for a part `filled` (n_all,) of the half cells at nodes.
-
-    Where fluid has come to a wall, its first particles are half a spacing from it, and no node stands between: then
-    the sum is that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one. filled : 1 for fluid
-    (halves.wall_share)
-    """
-    return weight * filled, area * (1.5 * filled - 0.5)[:, None]
-
-
 @inlined
 def _entry(table, column, r):
     """Return a table's value at r by linear interpolation, 0 beyond its end."""
@@ -162,63 +152,88 @@ def _entry(table, column, r):
 
 
 @kernel
-def completed_density(alpha: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray,
-                      table: Table) -> None:
+def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
+                      area: np.ndarray, table: Table) -> None:
     """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
-    alpha : (n_owned,) output; walls get 1
+    ratio : (n_owned,), walls get 1; gradient : (n_owned, dim) [1/m], walls get 0; outputs
     weight : (n_all,) of fluid, the cell that it starts in over s^dim; of nodes, the part of a cell s^dim that is inside
         the fluid; 0 for those that do not count
     area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
     """
     x, indptr, indices, axes = cloud.x, cloud.indptr, cloud.indices, cloud.axes
     dim, h = len(axes), table.h
-    pull, cell = np.empty(dim), cloud.spacing**dim
-    apart, part = np.empty(room_for(indptr)), np.empty(room_for(indptr))
-    for i in range(len(alpha)):
-        alpha[i] = 1.0
+    mean, pull, cell = np.empty(dim), np.empty(dim), cloud.spacing**dim
+    near, part = np.empty((dim, room_for(indptr))), np.empty((2, room_for(indptr)))
+    for i in range(len(ratio)):
+        ratio[i] = 1.0
+        gradient[i, :] = 0.0
         if cloud.kind[i] != FLUID:
             continue
-        total = weight[i] * cubic_spline(0.0, h, dim)
         first, count = indptr[i], indptr[i + 1] - indptr[i]
         for k in range(count):
             j = np.uint32(indices[first + k])
+            for a in range(dim):
+                near[a, k] = x[i, a] - x[j, a]
+            part[0, k] = weight[j]
+        total = weight[i] * cubic_spline(0.0, h, dim)
+        for k in range(count):
             r2 = 0.0
             for a in range(dim):
-                r2 += (x[i, a] - x[j, a]) ** 2
-            apart[k], part[k] = r2, weight[j]
-        for k in range(count):
-            total += part[k] * cubic_spline(math.sqrt(apart[k]), h, dim)
+                r2 += near[a, k] ** 2
+            r = math.sqrt(r2)
+            total += part[0, k] * cubic_spline(r, h, dim)
+            part[1, k] = part[0, k] * cubic_spline_slope(r, h, dim)
+        for a in range(dim):
+            mean[a] = dot(part, 1, near, a, count)
         if walls.indptr[i] < walls.indptr[i + 1]:
-            for k in range(count):
-                j = indices[first + k]
-                if cloud.kind[j] == WALL:
-                    before = 0.0
-                    for a in range(dim):
-                        before += (x[i, a] - x[j, a]) * area[j, a]
-                    total += before * _entry(table, 1, math.sqrt(apart[k]))
+            total += _nodes(mean, i, near, cloud, area, table)
             for k in range(walls.indptr[i], walls.indptr[i + 1]):
                 e = walls.indices[k]
                 if walls.present[e] > 0.0:
-                    total += walls.present[e] * _solid_behind(pull, i, e, cloud, walls, table, False) / cell
-        alpha[i] = total / table.full
+                    total += walls.present[e] * _solid_behind(pull, i, e, cloud, walls, table) / cell
+                    for a in range(dim):
+                        mean[a] += walls.present[e] * pull[a] / cell
+        ratio[i] = total / table.full
+        for a in range(dim):
+            gradient[i, a] = mean[a] / table.full
 
 
 @inlined
-def _solid_behind(pull, i, e, cloud, walls, table, with_pull):
+def _nodes(mean, i, near, cloud, area, table):
+    """Return the end correction of the nodes around particle i, which are `near` (dim, neighbours) [m], and add its
+    gradient to the mean."""
+    total = 0.0
+    for k in range(cloud.indptr[i + 1] - cloud.indptr[i]):
+        j = cloud.indices[cloud.indptr[i] + k]
+        if cloud.kind[j] == WALL:
+            r2, before = 0.0, 0.0
+            for a in range(len(cloud.axes)):
+                r2 += near[a, k] ** 2
+                before += near[a, k] * area[j, a]
+            r = math.sqrt(r2)
+            slope, b = before * _entry(table, 2, r), _entry(table, 1, r)
+            total += before * b
+            for a in range(len(cloud.axes)):
+                mean[a] += slope * near[a, k] + b * area[j, a]
+    return total
+
+
+@inlined
+def _solid_behind(pull, i, e, cloud, walls, table):
     """Return the integral of the kernel over the solid behind an element, as seen from particle i; 0 from behind.
 
-    pull : (dim,) output if asked for, the integral of the kernel's gradient with respect to the particle's place
+    pull : (dim,) output, the integral of the kernel's gradient with respect to the particle's place
     """
     for a in range(len(cloud.axes)):
         pull[a] = 0.0
     if len(cloud.axes) == 2:
-        return _behind_segment(pull, i, cloud.x, e, walls.corners, table, with_pull)
-    return _behind_triangle(pull, i, cloud.x, e, walls.corners, table, with_pull)
+        return _behind_segment(pull, i, cloud.x, e, walls.corners, table)
+    return _behind_triangle(pull, i, cloud.x, e, walls.corners, table)
 
 
 @inlined
-def _behind_segment(pull, i, x, e, corners, table, with_pull):
+def _behind_segment(pull, i, x, e, corners, table):
     ax, ay = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1]
     bx, by = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1]
     cross = ax * by - ay * bx
@@ -243,15 +258,14 @@ def _behind_segment(pull, i, x, e, corners, table, with_pull):
         r = cross / (ux * ty - uy * tx)
         part = angle * (8.0 if c == 0 else 5.0) / 18.0
         total += part * _entry(table, 0, r)
-        if with_pull:
-            force = part * _entry(table, 3, r)
-            pull[0] += force * ux
-            pull[1] += force * uy
+        force = part * _entry(table, 3, r)
+        pull[0] += force * ux
+        pull[1] += force * uy
     return total
 
 
 @inlined
-def _behind_triangle(pull, i, x, e, corners, table, with_pull):
+def _behind_triangle(pull, i, x, e, corners, table):
     element_normal(pull, e, corners, (0, 1, 2))
     height = 0.0
     for a in range(3):
@@ -268,9 +282,8 @@ def _behind_triangle(pull, i, x, e, corners, table, with_pull):
         part = 1.0 / (r2 * r)
         mean += _entry(table, 0, r) * part
         weights += part
-        if with_pull:
-            for a in range(3):
-                pull[a] += _entry(table, 3, r) * part * (_inside(e, c, a, corners) - x[i, a]) / r
+        for a in range(3):
+            pull[a] += _entry(table, 3, r) * part * (_inside(e, c, a, corners) - x[i, a]) / r
     angle = _solid_angle(i, x, e, corners)
     for a in range(3):
         pull[a] *= angle / weights
@@ -298,67 +311,15 @@ def _solid_angle(i, x, e, corners):
 
 
 @kernel
-def completed_gradient(out: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray,
-                       table: Table) -> None:
-    """Sum of the gradients of the kernel over the same neighbours, nodes and solids at owned fluid [1/m].
-
-    out : (n_owned, dim) output, 0 for walls; other arguments as for `completed_density`
-    """
-    x, indptr, indices, axes = cloud.x, cloud.indptr, cloud.indices, cloud.axes
-    dim = len(axes)
-    mean, pull, cell = np.empty(dim), np.empty(dim), cloud.spacing**dim
-    near, slope = np.empty((dim, room_for(indptr))), np.empty((1, room_for(indptr)))
-    for i in range(len(out)):
-        out[i, :] = 0.0
-        if cloud.kind[i] != FLUID:
-            continue
-        first, count = indptr[i], indptr[i + 1] - indptr[i]
-        for k in range(count):
-            j = np.uint32(indices[first + k])
-            for a in range(dim):
-                near[a, k] = x[i, a] - x[j, a]
-            slope[0, k] = weight[j]
-        for k in range(count):
-            r2 = 0.0
-            for a in range(dim):
-                r2 += near[a, k] ** 2
-            slope[0, k] *= cubic_spline_slope(math.sqrt(r2), table.h, dim)
-        for a in range(dim):
-            mean[a] = dot(slope, 0, near, a, count)
-        if walls.indptr[i] < walls.indptr[i + 1]:
-            _add_nodes(mean, i, near, cloud, area, table)
-            for k in range(walls.indptr[i], walls.indptr[i + 1]):
-                e = walls.indices[k]
-                if walls.present[e] > 0.0:
-                    _solid_behind(pull, i, e, cloud, walls, table, True)
-                    for a in range(dim):
-                        mean[a] += walls.present[e] * pull[a] / cell
-        for a in range(dim):
-            out[i, a] = mean[a] / table.full
-
-
-@inlined
-def _add_nodes(mean, i, near, cloud, area, table):
-    """Add the gradient of the end correction of the nodes around particle i, which are `near` (dim, neighbours) [m]."""
-    for k in range(cloud.indptr[i + 1] - cloud.indptr[i]):
-        j = cloud.indices[cloud.indptr[i] + k]
-        if cloud.kind[j] == WALL:
-            r2, before = 0.0, 0.0
-            for a in range(len(cloud.axes)):
-                r2 += near[a, k] ** 2
-                before += near[a, k] * area[j, a]
-            r = math.sqrt(r2)
-            slope, b = before * _entry(table, 2, r), _entry(table, 1, r)
-            for a in range(len(cloud.axes)):
-                mean[a] += slope * near[a, k] + b * area[j, a]
-
-
-@kernel
 def node_sums(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
-              area: np.ndarray, table: Table) -> None:
-    """What nodes of such weights and areas add to `completed_density` and `completed_gradient` of owned fluid.
+              area: np.ndarray, share: np.ndarray, table: Table) -> None:
+    """What half cells at nodes for which no fluid stands add to `completed_density` of owned fluid.
 
-    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as of those
+    Where fluid has come to a wall, its first particles are half a spacing from it, and no node stands between: then
+    the sum is that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one.
+
+    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as there
+    share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
     """
     axes = cloud.axes
     dim, away = len(axes), np.empty(len(axes))
@@ -369,24 +330,17 @@ def node_sums(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Wall
             continue
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
             j = cloud.indices[k]
-            if cloud.kind[j] != WALL or weight[j] == 0.0 and not _any(area, j, axes):
+            if cloud.kind[j] != WALL or share[j] == 1.0:
                 continue
+            lack = 1.0 - share[j]
             r2, before = 0.0, 0.0
             for a in range(dim):
                 away[a] = cloud.x[i, a] - cloud.x[j, a]
                 r2 += away[a] ** 2
                 before += away[a] * area[j, a]
-            r = math.sqrt(r2)
-            b = _entry(table, 1, r)
-            ratio[i] += (weight[j] * cubic_spline(r, table.h, dim) + before * b) / table.full
-            slope = weight[j] * cubic_spline_slope(r, table.h, dim) + before * _entry(table, 2, r)
+            r, half = math.sqrt(r2), lack * weight[j]
+            b = 1.5 * lack * _entry(table, 1, r)
+            ratio[i] += (half * cubic_spline(r, table.h, dim) + before * b) / table.full
+            slope = half * cubic_spline_slope(r, table.h, dim) + 1.5 * lack * before * _entry(table, 2, r)
             for a in range(dim):
                 gradient[i, a] += (slope * away[a] + b * area[j, a]) / table.full
-
-
-@inlined
-def _any(vectors, i, axes):
-    found = False
-    for a in range(len(axes)):
-        found = found or vectors[i, a] != 0.0
-    return found

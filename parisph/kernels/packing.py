@@ -10,7 +10,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import nearest_points
-from parisph.kernels.density import Table, completed_gradient
+from parisph.kernels.density import Table, completed_density
 from parisph.kernels.jit import kernel
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
@@ -37,7 +37,7 @@ def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarra
     """
     n, s = len(cloud.indptr) - 1, cloud.spacing
     gradient, move = np.empty((2, n, len(cloud.axes)))
-    completed_gradient(gradient, cloud, walls, weight, area, table)
+    completed_density(np.empty(n), gradient, cloud, walls, weight, area, table)
     fick_shift(move, cloud, gradient, np.full(n, STRENGTH * table.h**2), CAP * s, 0.0)
     level_off(move, cloud, LEVEL * s, FLAT * s)
     keep_off(move, cloud, walls, GUARD * s)

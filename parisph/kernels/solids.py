@@ -311,7 +311,7 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
     return False
 
 
-@subkernel
+@inlined
 def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray, np.ndarray, np.ndarray], i: int,
                   cloud: Cloud, walls: Walls, reach: float) -> int:
     """Find the walls that particle i must keep off: the nearest element, and further ones that it faces squarely.

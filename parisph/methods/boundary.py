@@ -59,15 +59,13 @@ class Boundary:
         """Return the elements, as far as they count."""
         return self.elements.walls._replace(present=self.completion(flow, least).present)
 
-    def density_ratio(self, out: Floats, flow: "Flow", least: int) -> None:
-        """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
-        found = self.completion(flow, least)
-        density.completed_density(out, flow.cloud, self.present(flow, least), found.weight, found.area, self.table)
-
-    def density_gradient(self, out: Floats, flow: "Flow", least: int) -> None:
-        """Write the gradient of the density ratio of owned fluid to out (n_owned, dim) [1/m], 0 for walls."""
-        found = self.completion(flow, least)
-        density.completed_gradient(out, flow.cloud, self.present(flow, least), found.weight, found.area, self.table)
+    def density(self, ratio: Floats, flow: "Flow", least: int) -> Floats:
+        """Write the density ratio of owned fluid (n_owned,), 1 for walls, and return its gradient (n_owned, dim) [1/m],
+        0 for walls."""
+        found, gradient = self.completion(flow, least), np.empty_like(flow.particles.x)
+        density.completed_density(ratio, gradient, flow.cloud, self.present(flow, least), found.weight, found.area,
+                                  self.table)
+        return gradient
 
     def surplus(self, ratio: Floats, gradient: Floats, share: Floats, flow: "Flow") -> None:
         """Write what half cells at walls for which no fluid stands contribute.
@@ -76,9 +74,7 @@ class Boundary:
         share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
         """
         _, weight, area = self.completion(flow, wetness.FREE)
-        filled, lean = density.node_terms(weight, area, share)
-        walls = self.present(flow, wetness.FREE)
-        density.node_sums(ratio, gradient, flow.cloud, walls, weight - filled, area - lean, self.table)
+        density.node_sums(ratio, gradient, flow.cloud, self.elements.walls, weight, area, share, self.table)
 
     def cells(self, flow: "Flow") -> Floats:
         """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""

@@ -71,5 +71,6 @@ class Preparation:
     """What regularisers find for each other from one state of the particles, made anew by `regularising.prepare`."""
 
     pairs: dict[float, Cloud] = field(default_factory=dict)    # {distance [spacings]: Flow.close_pairs}
+    dense: Floats | None = None    # positions.dense, once it is known
     surplus: tuple[Floats, Floats] | None = None    # positions.surplus, once it is known
     top_speed: float = 0.0    # of fluid, on all ranks [m/s], where a part has found it

@@ -40,7 +40,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     flow.step.completions.clear()
     d.update("closing", *(("share",) if flow.half_cells else ()), *also)
     if flow.weighed:
-        flow.walls.density_ratio(p.alpha, flow, wetness.CLOSING)
+        flow.walls.density(p.alpha, flow, wetness.CLOSING)
     rule.find(flow, flow.seen(wetness.CLOSING))
     d.update("role")
     # also for a frozen surface: it falls and rises past the nodes of the walls

@@ -97,10 +97,10 @@ def test_sums_over_nodes_are_what_they_add():
     scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
     n, weight, area = scene.n, scene.weight.copy(), scene.area.copy()
     alpha, slope = scene.alpha(), scene.gradient()
-    ratio, added = np.empty(len(scene.x)), np.empty(scene.x.shape)
-    density.node_sums(ratio, added, *scene.records(), 0.3 * weight, 0.6 * area, scene.table)
+    ratio, added, share = np.empty(len(scene.x)), np.empty(scene.x.shape), np.full(len(scene.x), 0.7)
+    density.node_sums(ratio, added, *scene.records(), weight, area, share, scene.table)
     walls = scene.kind == WALL
-    scene.weight[walls], scene.area[walls] = 0.7 * weight[walls], 0.4 * area[walls]
+    scene.weight[walls], scene.area[walls] = 0.7 * weight[walls], (1.5 * 0.7 - 0.5) * area[walls]
     np.testing.assert_allclose(alpha - scene.alpha(), ratio[:n], atol=1e-12)
     np.testing.assert_allclose(slope - scene.gradient(), added[:n], atol=1e-10)
     assert ratio[:n].max() > 0.01
