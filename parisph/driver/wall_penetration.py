@@ -4,8 +4,7 @@ import numpy as np
 
 from parisph.base.arrays import Ints
 from parisph.base.errors import ParticleLost, agree
-from parisph.base.fields import FLUID
-from parisph.geometry.distance import heights
+from parisph.kernels import solids
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
@@ -18,10 +17,10 @@ def check(domain: Domain) -> None:
     """Raise ParticleLost on every rank if fluid is behind a wall that it is near. Collective."""
     elements = domain.elements
     p = domain.particles
-    near = np.flatnonzero((p.kind == FLUID) & (np.diff(elements.walls.indptr)[: p.n_owned] > 0))
-    deep = -heights(p.x[near], elements.walls.corners, domain.radius) / elements.spacing
-    lost = near[deep > DEEP]
-    worst = deep.max(initial=0.0) if len(near) else 0.0
+    depth = np.empty(p.n_owned)
+    solids.depths(depth, p.cloud(domain.indptr, domain.indices, elements.spacing), elements.walls)
+    worst = depth.max(initial=0.0) / elements.spacing
+    lost = np.flatnonzero(depth > DEEP * elements.spacing) if worst > DEEP else np.zeros(0, np.int64)
     agree(p.comm, _loss(p, elements, lost, worst) if len(lost) else None)
 
 

@@ -385,6 +385,18 @@ def _note(away, w, places, apart, front, squarely, axes):
 
 
 @kernel
+def depths(depth: np.ndarray, cloud: Cloud, walls: Walls) -> None:
+    """Write how deep each owned fluid particle is behind the nearest wall (n_owned,) [m], 0 in front of it."""
+    axes = cloud.axes
+    away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
+    for i in range(len(depth)):
+        depth[i] = 0.0
+        if cloud.kind[i] == FLUID and walls.indptr[i] < walls.indptr[i + 1]:
+            nearest_walls(away, member, places, i, cloud, walls, 0.0)
+            depth[i] = max(-away[0, len(axes)], 0.0)
+
+
+@kernel
 def keep_off(move: np.ndarray, cloud: Cloud, walls: Walls, distance: float) -> None:
     """Remove the part of displacements that would bring fluid closer to a wall than the distance [m].
 

@@ -135,6 +135,30 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
 
 
 @kernel
+def counted(part: np.ndarray, cloud: Cloud, closing: np.ndarray, covered: np.ndarray, least: int) -> None:
+    """Write which part of each particle counts (n_all,): of walls with a `closing` of at least `least` what is covered.
+
+    closing : (n_all,), without rows where all of all walls counts; covered : (n_all,) of `covered_walls`
+    """
+    for i in range(len(part)):
+        part[i] = 1.0
+        if cloud.kind[i] == WALL and len(closing) > 0:
+            part[i] = covered[i] if closing[i] >= least else 0.0
+
+
+@kernel
+def mean_of_nodes(mean: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None:
+    """Write the mean (M,) over the nodes (M, dim) of elements of values (n_all,); nodes -1 are not here."""
+    for e in range(len(nodes)):
+        total, here = 0.0, 0
+        for c in range(nodes.shape[1]):
+            if nodes[e, c] >= 0:
+                total += values[nodes[e, c]]
+                here += 1
+        mean[e] = total / max(here, 1)
+
+
+@kernel
 def before_moving_walls(apart: np.ndarray, x: np.ndarray, own: np.ndarray, walls: Walls, motion: np.ndarray,
                         axes: tuple[int, ...]) -> None:
     """Write the distance [m] of wall particles from the walls that move against them, 0 behind these.

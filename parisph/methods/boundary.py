@@ -18,6 +18,8 @@ from parisph.parallel.wall_elements import NO_ROOM, WallElements
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
+ALL_WET = np.empty(0, np.int8)    # for what walls are to the fluid, where there is no surface
+
 
 class Boundary:
     """The walls of a scene. Fluid does not see through elements. Nothing here is collective.
@@ -48,11 +50,10 @@ class Boundary:
         after the surface."""
         p, known = flow.particles, flow.step.completions
         if least not in known:
-            counted = np.ones(p.n_all)
-            if flow.open:
-                counted = np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
-            known[least] = Completion(self.elements.mean_of_nodes(counted), p.weight_all * counted,
-                                      p.area_all * counted[:, None])
+            part = np.empty(p.n_all)
+            wetness.counted(part, flow.cloud, p.closing_all if flow.open else ALL_WET, p.covered_all, least)
+            known[least] = Completion(self.elements.mean_of_nodes(part), p.weight_all * part,
+                                      p.area_all * part[:, None])
         return known[least]
 
     def present(self, flow: "Flow", least: int) -> Walls:
@@ -162,7 +163,7 @@ class Boundary:
         that are apart and from which gravity pulls the water, as a lid above it.
         """
         p = flow.particles
-        closing = p.closing_all if flow.open else np.empty(0, np.int8)    # else all walls are wet
+        closing = p.closing_all if flow.open else ALL_WET
         known = wetness.known_slopes(flow.cloud, closing, flow.step.body_force)
         found: Flags = known & (p.edge_all != CONVEX)
         return found
@@ -190,7 +191,6 @@ class Boundary:
         for 0
         """
         e = self.elements
-        here, less = np.zeros_like(flow.particles.x_all), np.zeros_like(e.acceleration)
-        if slope is not None:
-            here, less = slope, flow.density * e.acceleration
+        here = np.zeros_like(flow.particles.x_all) if slope is None else slope
+        less = e.acceleration * (0.0 if slope is None else flow.density)
         gradient.gradient_at_walls(out, known, flow.cloud, e.walls, f, here, less, form)

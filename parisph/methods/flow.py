@@ -75,6 +75,7 @@ class Flow:
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
         carried = particles.fields
+        self._cloud = self.particles.cloud(domain.indptr, domain.indices, self.spacing)
         self.open = "closing" in carried    # a free surface: walls may be dry
         self.rotational = "swirl" in carried    # the vorticity that fluid has from the start
         self.half_cells = "share" in carried    # for which part of the half cells at walls fluid stands
@@ -118,7 +119,10 @@ class Flow:
     @property
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
-        return self.particles.cloud(self.domain.indptr, self.domain.indices, self.spacing)
+        p, d, cloud = self.particles, self.domain, self._cloud
+        if cloud.x is not p.x_all or cloud.indices is not d.indices:
+            self._cloud = cloud = p.cloud(d.indptr, d.indices, self.spacing)
+        return cloud
 
     @property
     def cells(self) -> Floats:
@@ -154,7 +158,8 @@ class Flow:
         p = self.particles
         if self.viscous:
             return np.zeros_like(p.u)
-        shear: Floats = -self.walls.elements.of_particles(self.walls.elements.turn, p)
+        elements = self.walls.elements
+        shear = -elements.of_particles(elements.turn, p) if elements.moving else np.zeros_like(p.u)
         turn = 2.0 * self.turn(time) - self.swirl(time)[:p.n_owned]
         if np.any(turn):    # numpy is slow along a short last axis
             shear[:, 0] += turn * p.normal[:, 1]

@@ -193,6 +193,6 @@ class WallElements:
 
         Corners at which there is no particle here do not count: their elements are far from all owned particles.
         """
-        here = self.nodes >= 0
-        mean: Floats = np.where(here, values[self.nodes], 0.0).sum(axis=1) / np.maximum(here.sum(axis=1), 1)
+        mean = np.empty(len(self.nodes))
+        wetness.mean_of_nodes(mean, self.nodes, values)
         return mean
