@@ -50,17 +50,6 @@ def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats,
     return distance, element, foot
 
 
-def heights(x: Floats, corners: Floats, within: float = np.inf) -> Floats:
-    """Return the heights (n,) [m] of points above the planes of the elements nearest to them, inf beyond `within` [m].
-
-    Behind a wall they are negative. Beside a plate, which has nothing behind it, and beyond its ends they are not.
-    """
-    distance, element, foot = nearest(x, corners, within)
-    found = element >= 0
-    distance[found] = np.sum((x[found] - foot[found]) * unit_normals(corners[element[found]]), axis=1)
-    return distance
-
-
 def across(x: Floats, way: Floats, corners: Floats, facing: float = 0.0, least: float = 1e-9) -> tuple[Floats, Ints]:
     """Return how far points are from the first element that faces them in a direction, (n,) [m], and that element (n,).
 

@@ -5,7 +5,7 @@ import pytest
 
 from parisph import Box, Disc, Polygon, Tank
 from parisph.case.bodies import Obstacle, Plate, Profile
-from parisph.geometry.distance import area_vectors, heights, nearest
+from parisph.geometry.distance import area_vectors, nearest
 from parisph.geometry.mesh import wall_mesh
 from parisph.geometry.solid import in_fluid
 from tests.distances import signed_distance
@@ -65,7 +65,6 @@ def test_plate_has_fluid_on_both_sides():
     assert np.all(signed_distance(x, corners) >= 0.0)
     distance, element, foot = nearest(np.array([[0.9, 0.5], [1.1, 0.5]]), corners)
     np.testing.assert_allclose(area_vectors(corners[element])[:, 0], [-S, S], rtol=1e-12)
-    assert np.all(heights(x, corners) >= 0.0)
 
 
 def test_block_in_3d():
@@ -77,7 +76,6 @@ def test_block_in_3d():
     outside = np.maximum(np.maximum(-x, x - size), 0.0)
     expected = np.where(inside, np.minimum(below, above), -np.linalg.norm(outside, axis=1))
     np.testing.assert_allclose(signed_distance(x, mesh.corners()), expected, atol=1e-12)
-    np.testing.assert_allclose(heights(x[inside], mesh.corners()), expected[inside], atol=1e-12)
 
 
 def test_box_around_a_point_has_the_nearest_face():

@@ -162,6 +162,13 @@ def test_beyond_an_edge_that_no_other_element_shares_only_the_edge_counts():
     assert all(apart < 0.0 for _, apart in walls_of([(-0.03, -0.04)], corner)[0])
 
 
+def test_depth_behind_the_nearest_wall():
+    corners = block(20, 20)
+    depth = np.empty(3)
+    solids.depths(depth, *fluid(np.array([(0.5, -0.04), (0.5, 0.04), (0.02, -0.03)]), corners))
+    np.testing.assert_allclose(depth, [0.04, 0.0, 0.03], atol=1e-12)
+
+
 def test_moves_end_at_the_distance_from_the_wall():
     corners = block(20, 20)
     x = np.array([(0.5, 0.04), (0.03, 0.03), (0.5, 0.02), (0.5, 0.5)])
