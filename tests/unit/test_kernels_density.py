@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from parisph import Box, Disc, Polygon, Tank
-from parisph.base.fields import FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import INNER, SURFACE, WALL
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import wall_mesh
 from parisph.kernels.cells import neighbour_lists
