@@ -1,4 +1,4 @@
-"""Fluid that fills a scene of any walls, before the first step: even places, and the volume of each particle."""
+"""Filling a scene with fluid before the first step: even places, and the volume of each particle."""
 
 from collections.abc import Iterable
 
@@ -12,7 +12,7 @@ from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
 from parisph.methods.flow import Flow
 
-TIE = 1e-3    # spacings by which nodes are moved, so that none is as near to two particles of a lattice
+TIE = 1e-3    # spacings by which nodes are moved, so that none is equally near to two lattice particles
 
 
 def pack(flow: Flow, steps: int = packing.STEPS) -> None:
@@ -31,7 +31,7 @@ def pack(flow: Flow, steps: int = packing.STEPS) -> None:
 
 
 def weigh(flow: Flow, samples: Iterable[tuple[Floats, Floats]]) -> float:
-    """Give each fluid particle the volume of the places that are nearest to it; return their sum [m^dim]. Collective.
+    """Give each fluid particle the volume of the places nearest to it; return their sum [m^dim]. Collective.
 
     samples : places and the volumes around them, at least all near particles of this rank (kernels.packing.volumes)
     """
@@ -44,9 +44,9 @@ def weigh(flow: Flow, samples: Iterable[tuple[Floats, Floats]]) -> float:
 
 
 def halve(flow: Flow) -> None:
-    """Write which fluid stands for half a cell: that on the surface beside walls at the start. Collective.
+    """Write which fluid represents half a cell: surface particles beside walls at the start. Collective.
 
-    Beside a slope it may have a greater volume, though nothing is above it.
+    Beside a slope such a particle may have a larger volume, though nothing is above it.
     """
     p = flow.particles
     p.half[:] = (p.kind == FLUID) & (p.role == SURFACE) & (np.diff(flow.walls.elements.walls.indptr) > 0)
@@ -54,12 +54,12 @@ def halve(flow: Flow) -> None:
 
 
 def weigh_cells(flow: Flow) -> None:
-    """Write the weight of the owned fluid: the volume that it stands for without the half cells of nodes, over s^dim.
+    """Write the weight of the owned fluid: its volume without the half cells of nodes, over s^dim. Collective.
 
-    Then the sum of the kernels over fluid and nodes is that of the water: packing is even, but where layers do not
-    divide the depth, not as dense as a lattice. Each node's half cell is that of its nearest fluid. The mean over the
-    inner fluid around a particle is taken, so that no disorder is kept. Surface particles keep the weight of the
-    lattice: it stays where it is there, and half of their cells is air. Collective.
+    The kernel sum over fluid and nodes is then that of the water: packing is even, but not as dense as a lattice where
+    layers do not divide the depth. Each node's half cell belongs to its nearest fluid. The weight is the mean over the
+    inner fluid around a particle, which removes disorder. Surface particles keep the weight of the lattice, because
+    they stay in place and half of their cells is air.
     """
     p, d, s = flow.particles, flow.domain, flow.spacing
     fluid = np.flatnonzero(p.kind_all == FLUID)
@@ -82,7 +82,7 @@ def weigh_cells(flow: Flow) -> None:
 
 
 def scatter(flow: Flow, move: Floats) -> None:
-    """Displace the fluid by move (n_owned, dim) [m], but no nearer to walls than packing does. Collective."""
+    """Displace the fluid by move (n_owned, dim) [m], but no closer to walls than packing does. Collective."""
     flow.walls.keep_off(move, flow, packing.GUARD)
     flow.particles.x[:] += move
     flow.domain.refresh()
