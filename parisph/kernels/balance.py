@@ -1,5 +1,4 @@
-"""Corrections that make pressure rows exact for hydrostatic balance, and right-hand sides of walls and particles
-without an equation."""
+"""Hydrostatic corrections of pressure rows, and right-hand sides of walls and of particles without an equation."""
 
 import numpy as np
 

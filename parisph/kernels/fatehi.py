@@ -87,8 +87,7 @@ def _third_moments(third, inverse, square, weighted, m, axes):
 
 @inlined
 def _tensor(tensor, matrix, lean, third, products, near, m, axes):
-    """Solve for B, with entries off the diagonal doubled, and write lean = sum_j w (e e)_p xi_a; False if degenerate.
-    """
+    """Solve for B, with entries off the diagonal doubled, and write lean = sum_j w (e e)_p xi_a; False if singular."""
     square, along = products
     pairs = len(square)
     for p in range(pairs):

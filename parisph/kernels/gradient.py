@@ -93,8 +93,7 @@ def fitted(m: np.ndarray, inverse: np.ndarray, moments: np.ndarray, weighted: np
 @inlined
 def support(m: np.ndarray, inverse: np.ndarray, weighted: np.ndarray, near: np.ndarray, power: int, n: int,
             columns: int, axes: tuple[int, ...]) -> float:
-    """Write the weights and invert the neighbours' moment; return det/(trace/dim)^dim, or TOO_FEW for at most dim of
-    them."""
+    """Write the weights and invert the neighbours' moment; return det/(trace/dim)^dim, or TOO_FEW for at most dim."""
     dim = len(axes)
     weigh(weighted, near, power, columns, axes)
     for a in range(dim):

@@ -27,8 +27,7 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 class Kept(numba.core.caching.FunctionCache):
-    """numba's cache of one kernel, in these files. It relies on numba's `_index_key` and on its serialisation of
-    compiled code.
+    """numba's cache of one kernel, in these files. It uses numba's `_index_key` and serialisation of compiled code.
 
     function : the Python function of the kernel
     folders : of its files
@@ -147,8 +146,11 @@ def opened(name: str, content: bytes) -> bytes | None:
 
 
 def state(folders: Folders) -> dict[str, Any]:
-    """Return the state of the folders: the number of sound "kernels" and their "bytes", the "damaged" files, and the
-    folders to "write" and to "read". Not collective."""
+    """Return the "kernels" (number of sound ones), their "bytes", the "damaged" files, and the folders to "write" and
+    "read".
+
+    Not collective.
+    """
     seen: set[str] = set()
     damaged: list[str] = []
     size = 0

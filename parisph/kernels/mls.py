@@ -15,8 +15,7 @@ def moment_count(axes: tuple[int, ...]) -> int:
 
 @inlined
 def linear_fit(fit: np.ndarray, moments: np.ndarray, at: np.ndarray, points: int, axes: tuple[int, ...]) -> int:
-    """Write the coefficients of the shape functions at some points; return the number of points where the fit is
-    linear.
+    """Write the coefficients of the shape functions at some points; return at how many of them the fit is linear.
 
     The value at a point p of the weighted linear fit is sum_k Phi_k f_k with Phi_k = (w_k/W) [1 - (x_k - mean) . C^-1
     (mean - p)], where W = sum w, mean = sum w x / W and C = sum w x x^T / W - mean mean^T. Here Phi_k = w_k (fit[0] +

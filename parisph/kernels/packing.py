@@ -45,8 +45,8 @@ def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarra
 
 @kernel
 def level_off(move: np.ndarray, cloud: Cloud, reach: float, flat: float) -> None:
-    """Remove the vertical part, along the last axis, of moves (n_owned, dim) near a level surface, and all of it near
-    another.
+    """Remove the vertical part, along the last axis, of moves (n_owned, dim) near a level surface; near others, all of
+    it.
 
     reach : distance [m] to fluid that is not inner, within which the surface is near; flat : rise of a level surface
         [m]

@@ -50,8 +50,8 @@ def leave_out_avx512() -> None:
 
 
 def identity() -> tuple[str, str, str]:
-    """Return what compiled kernels depend on besides their source: numba's release, the processor, and its features in
-    use."""
+    """Return what compiled kernels depend on besides source: numba's release, the processor, and its features in use.
+    """
     features = numba.config.CPU_FEATURES
     return numba.__version__, llvm.get_host_cpu_name(), features or llvm.get_host_cpu_features().flatten()
 

@@ -31,8 +31,10 @@ def fluid_sizes(vectors: np.ndarray, kind: np.ndarray) -> tuple[float, float, fl
 @kernel
 def step_sums(div: np.ndarray, role: np.ndarray, kind: np.ndarray,
               acceleration: np.ndarray, strained: np.ndarray) -> tuple[float, float, float, float, float, float]:
-    """Return the sums of div^2 and of the number over inner particles, the number of surface and ballistic particles,
-    and the sums of sqrt(acceleration), of the number and of `strained` over fluid.
+    """Return six sums for the record of a step.
+
+    These are div^2 and the number of inner particles, the number of surface and ballistic particles,
+    sqrt(acceleration), the number, and `strained` of fluid.
 
     div : [1/s], acceleration : [m/s^2], strained : [-], all (n,); strained may also be (0,), for a sum of 0
     """

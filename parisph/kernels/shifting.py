@@ -84,8 +84,7 @@ def _without_equation(kind, role):
 
 @inlined
 def _any(marked, i, cloud):
-    """Return whether any neighbour in the list of i is marked; without branches, a third of the time, as most have
-    none."""
+    """Return whether any listed neighbour of i is marked. As most have none, a loop without branches takes a third."""
     found = False
     for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
         found |= marked[np.uint32(cloud.indices[k])]

@@ -313,11 +313,11 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
 @inlined
 def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray, np.ndarray, np.ndarray], i: int,
                   cloud: Cloud, walls: Walls, reach: float) -> int:
-    """Write the walls that particle i must keep off: the nearest element, and others that it faces; return their
-    number.
+    """Write the walls that particle i must keep off, at most dim: the nearest element and others that it faces; return
+    how many.
 
-    There are at most dim walls. Walls in front of it beyond the reach [m] may be left out. Beside an edge only the edge
-    itself counts. A particle faces an element if its foot is inside the element.
+    A particle faces an element if its foot is inside the element. Walls in front of it beyond the reach [m] may be left
+    out. Beside an edge only the edge itself counts.
 
     away : (dim, 1 + dim) output: unit vector from the nearest point to the particle, and distance [m]; behind the wall
         the normal, and a negative distance
@@ -437,8 +437,7 @@ def _hold_back(move, i, away, w, wall_speed, allowed, axes):
 
 @kernel
 def guard(u: np.ndarray, cloud: Cloud, walls: Walls, distance: float, dt: float) -> int:
-    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s]; return how many were slowed
-    down.
+    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s]; return how many it slowed down.
 
     The velocity into the wall is limited to the gap over dt, and to the wall's own velocity without a gap. A particle
     behind the wall would see its neighbours on the wrong side, with an unbounded pressure.

@@ -70,8 +70,10 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, cloud
 
 @inlined
 def _fit_here(fit, moments, here, axes):
-    """Add the particle, with weight 1, to its neighbours' moments and write the fit; return whether it is linear and
-    involves neighbours."""
+    """Write the fit of neighbours and the particle, with weight 1; return whether it is linear and uses neighbours.
+
+    moments : of the neighbours; the particle is added
+    """
     moments[0, 0] += 1.0
     return linear_fit(fit, moments, here, 1, axes) == 1 and 0.0 < fit[0, 0] < ALONE
 

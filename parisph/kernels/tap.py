@@ -11,8 +11,7 @@ from parisph.kernels.moments import cholesky, cholesky_solve
 @kernel
 def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray, across: np.ndarray, half: np.ndarray,
                 radius: float) -> np.ndarray:
-    """Return sum w b b^T [-], then sum w p b [Pa], (n n + n,), with n functions b = (1, coordinates along the
-    wall/radius).
+    """Return sum w b b^T [-], then sum w p b [Pa], (n n + n,), with n functions b = (1, x along the wall/radius).
 
     The weight is w = (1 - r^2/radius^2)^2, with the distance r along the wall. Particles at least half[a] away along an
     axis across the wall do not count.

@@ -136,8 +136,7 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
 
 @kernel
 def counted(part: np.ndarray, cloud: Cloud, closing: np.ndarray, covered: np.ndarray, least: int) -> None:
-    """Write the part of each particle that counts (n_all,): of walls with `closing` >= `least` the covered part, of
-    others 0.
+    """Write the part of each particle that counts (n_all,): of walls below `least` 0, of other walls the covered part.
 
     closing : (n_all,), or without rows to count all walls fully; covered : (n_all,) of `covered_walls`
     """

@@ -82,8 +82,7 @@ class Boundary:
     # -- limits of moves and velocities ----------------------------------------------------
 
     def keep_off(self, move: Floats, flow: "Flow", distance: float | None = None) -> None:
-        """Limit moves (n_owned, dim) [m] of fluid to a distance [spacings] from walls, by default that of the wall
-        guard."""
+        """Keep moves (n_owned, dim) [m] of fluid a distance [spacings] off walls, by default that of the wall guard."""
         distance = flow.numerics.wall_guard if distance is None else distance
         solids.keep_off(move, flow.cloud, self.elements.walls, distance * flow.spacing)
 
@@ -131,8 +130,7 @@ class Boundary:
             self.elements.put(flow.particles)
 
     def acceleration(self, flow: "Flow") -> Floats | None:
-        """Return the acceleration of owned wall particles (n_owned, dim) [m/s^2], 0 for fluid; None if all walls rest.
-        """
+        """Return the acceleration of owned wall particles (n_owned, dim) [m/s^2], 0 for fluid; None if walls rest."""
         e = self.elements
         return e.of_particles(e.a, flow.particles) if e.moving else None
 
@@ -167,10 +165,9 @@ class Boundary:
         return found
 
     def slope(self, flow: "Flow", along: Floats | None) -> Floats:
-        """Return the normal derivative (n_all,) of a field with the gradient `along` (n_all, dim), or 0, in water at
-        rest.
+        """Return the normal derivative (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
 
-        For pressure, `along` is rho times the force, from which the inertia of moving walls is subtracted.
+        None stands for a zero gradient. For pressure it is rho times the force; moving walls subtract their inertia.
         """
         p, e = flow.particles, self.elements
         if along is None:

@@ -100,8 +100,7 @@ class Viscous(Force):
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
 
     def _update(self, flow: "Flow") -> tuple[Array, Walls]:
-        """Send the fields of the Laplacian to the ghosts; return kind (n_all,), ABSENT for walls behind air, and the
-        walls. Collective."""
+        """Send fields to the ghosts; return kind (n_all,), ABSENT for walls behind air, and the walls. Collective."""
         p, d = flow.particles, flow.domain
         if flow.open:    # otherwise all walls are wet
             wetness.touched_walls(p.touched, flow.cloud)

@@ -100,8 +100,7 @@ class LindShift(TensileShift):
 
 
 class PressureShift(Shift):
-    """Shifts by dt^2/(2 rho) times the excess of the pressure gradient relative to the least pressure around each
-    particle."""
+    """Shifts by dt^2/(2 rho) times the excess of the pressure gradient relative to the least pressure nearby."""
 
     name, source, words = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure"
     reach, reads = lengths.MLS, ("shift",)

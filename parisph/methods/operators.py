@@ -234,8 +234,7 @@ class LeastSquares(Gradient):
         self.fit(out, np.zeros(len(out), np.bool_), f, flow, along)
 
     def fit(self, out: Floats, known: Flags, f: Floats, flow: "Flow", along: Floats | None) -> None:
-        """Write the linear fit to out (n_owned, dim), except where it is `known` (n_owned,) bool; others as of `write`.
-        """
+        """Write the linear fit to out (n_owned, dim), except where `known` (n_owned,) bool; others as of `write`."""
         gradient.least_squares_gradient(out, known, flow.cloud, f, self.form(flow.spacing))
         flow.walls.mend_gradient(out, known, f, along, flow, self.form(flow.spacing))
 
@@ -367,7 +366,7 @@ class CurvedSurface(HarmonicSurface):
 
 
 class Curved(Mixed):
-    """The gradient of pressure by a fit with known second differences, exact for quadratics; other fields as "mixed".
+    """The gradient of pressure by a fit with known second differences, exact for quadratics; of other fields "mixed".
     """
 
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)

@@ -179,8 +179,7 @@ class Force(Part):
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
     def work(self, flow: "Flow", start: Floats) -> float:
-        """Return the energy that it gave to owned fluid in the step [J, in 2D J/m], for a part with a cause. Not
-        collective.
+        """Return the energy that it gave to owned fluid in the step [J, in 2D J/m], if it has a cause. Not collective.
 
         start : (n_owned, dim) velocity before the step [m/s]
         """

@@ -228,8 +228,7 @@ def dense(flow: "Flow") -> Floats:
 
 
 def surplus(flow: "Flow") -> tuple[Floats, Floats]:
-    """Return the contributions to alpha (n_owned,) and to its gradient (n_owned, dim) of half cells that no fluid
-    represents.
+    """Return what half cells that no fluid represents add to alpha (n_owned,) and to its gradient (n_owned, dim).
 
     Computed once in a preparation.
     """
@@ -255,8 +254,7 @@ def density_error(flow: "Flow") -> Floats:
 
 def compression(flow: "Flow", alpha: Floats, doubt: Floats | None = None, more: Floats | None = None,
                 rapid: Floats | None = None) -> Floats:
-    """Return alpha - 1 of owned inner particles, within +-.1, near the surface only its excess over the doubt:
-    (n_owned,).
+    """Return alpha - 1 (n_owned,) of inner particles, within +-.1, near the surface only its excess over the doubt.
 
     In rapid fluid the surplus is left out.
 

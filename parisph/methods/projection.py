@@ -101,8 +101,7 @@ class Projection:
             return self._report(dt, solve, isolated)
 
     def start(self, time: float) -> int:
-        """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles.
-        Collective.
+        """Solve for the pressure at the current positions, at `time` [s]; return how many are isolated. Collective.
 
         This gives the pressure before the first step. An incompressible flow has lap p = rho (div g - tr((grad u)^2))
         at every instant, the divergence of Euler's equation. In a step, half of the second term comes from the strain
@@ -170,8 +169,8 @@ class Projection:
 
     @property
     def strain_rate(self) -> float:
-        """Mean strain rate of fluid in the last step, on all ranks, sqrt(2 S:S) [1/s]; with `wave_step` the largest of
-        the last waves."""
+        """Mean sqrt(2 S:S) of fluid in the last step, on all ranks [1/s]; with `wave_step` the largest of the last
+        waves."""
         return self.last_waves.largest if self.flow.numerics.wave_step else self.mean_strain
 
     @property
@@ -430,11 +429,10 @@ class Projection:
         return out
 
     def _note_what_is_left(self, dt: float) -> None:
-        """Write the divergence of the new velocity at the operators of the step, with the new velocity of walls.
-        Collective.
+        """Write the divergence of the new velocity, with that of walls, at the operators of the step. Collective.
 
         With the walls' velocity a step earlier, water beside a moving wall would seem to change its volume in
-        proportion to the step: waves in a swaying tank differed by .8 % from those in its frame, now by .02.
+        proportion to the step: waves in a swaying tank differed by .8 % from those in its frame, now by .02 %.
         """
         flow = self.flow
         flow.fresh("u")

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 class Completion(NamedTuple):
-    """Data that complete kernel sums: present (M,) of elements, weight (n_all,) and area (n_all, dim) of particles, as
-    for kernels.density."""
+    """Completion of kernel sums, as for kernels.density: present (M,) of elements, weight (n_all,), area (n_all, dim).
+    """
 
     present: Floats
     weight: Floats

@@ -41,13 +41,13 @@ STEPPINGS = {"midpoint": Stepping(0.5), "corrected": Stepping(0.5, corrected=Tru
 class Accelerations:
     """Accelerations of the last steps, which correct the positions of operators.
 
-    The midpoint stepping is a leapfrog (drift, kick, drift), whose relative error of the frequency w of a wave is (w
-    dt)^2/24. A kick evaluated dt^2/12 a further along, with the acceleration a of its own step, leaves an error of
-    fourth order (Takahashi & Imada 1984, Rowlands 1991). Here a is extrapolated from the last two steps, which damps
-    waves by a part (w dt)^5/24 in a time 1/w.
+    The midpoint stepping is a leapfrog (drift, kick, drift): it raises the frequency w of a wave by a part (w dt)^2/24.
+    A kick evaluated dt^2/12 a further along, with the acceleration a of its own step, leaves an error of fourth order
+    (Takahashi & Imada 1984, Rowlands 1991). Here a is extrapolated from the last two steps, which damps waves by a part
+    (w dt)^5/24 in a time 1/w.
 
     The extrapolation amplifies waves with w dt > 1.41. The shortest deep-water wave on a lattice has w = 1.77
-    sqrt(g/s), so the correction fades beyond a step of .75 sqrt(s/g): this wave is damped up to .95 sqrt(s/g). Those of
+    sqrt(g/s), so the correction fades beyond a step of .75 sqrt(s/g): this wave is damped up to .95 sqrt(s/g). Waves of
     the rows are slower. The acceleration of a step shortened to meet a time is not stored: it removes the whole
     residual divergence and does not resemble that of the next step.
 
@@ -63,10 +63,9 @@ class Accelerations:
         self.times: list[float] = []
 
     def ahead(self, particles: Particles, time: float, dt: float, wave_time: float) -> Floats:
-        """Return the correction (n_owned, dim) [m] of operators in a step of dt [s] with its middle at `time` [s]. Not
-        collective.
+        """Return the correction (n_owned, dim) [m] of operators in a step of dt [s] with its middle at `time` [s].
 
-        Values at walls have no meaning. wave_time : sqrt(s/g) [s]
+        Values at walls have no meaning. wave_time : sqrt(s/g) [s]. Not collective.
         """
         p = particles
         if not self.times:
@@ -79,10 +78,9 @@ class Accelerations:
         return weight * (1.0 + beyond) * p.acceleration - weight * beyond * p.acceleration_before
 
     def remember(self, particles: Particles, acceleration: Floats, time: float, dt: float, usual: float) -> None:
-        """Store the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s], in the middle of a step of dt [s]. Not
-        collective.
+        """Store the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s], in the middle of a step of dt [s].
 
-        usual : length of the step [s] if it were not shortened to meet a time
+        usual : length of the step [s] if it were not shortened to meet a time. Not collective.
         """
         p = particles
         if dt < SHORT * usual:

@@ -45,8 +45,7 @@ def begin(flow: "Flow", fit: bool = False) -> None:
 
 
 def beyond_fit(flow: "Flow") -> Floats:
-    """Return the deviation (n_owned, dim) [m/s] of velocities from the moving least squares of their neighbours. Not
-    collective.
+    """Return the deviation (n_owned, dim) [m/s] of velocities from their moving least squares. Not collective.
 
     `begin` may have computed it.
     """
@@ -105,8 +104,10 @@ def remember(flow: "Flow", acceleration: float, dt: float) -> None:
 
 
 def strength(flow: "Flow", most: float, per_strain: float) -> Floats:
-    """Return a strength (n,) in proportion to the strain of the step, at most `most` times `whole`; `most` if
-    per_strain is 0."""
+    """Return a strength (n,) in proportion to the strain of the step, up to `most` times `whole`.
+
+    It is `most` if per_strain is 0.
+    """
     if per_strain:
         return np.minimum(flow.step.whole * most, per_strain * flow.step.strained)
     return np.full(flow.particles.n_owned, most)
