@@ -15,7 +15,7 @@ from parisph.kernels.near import room_for
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import nearest_walls, three_places
 
-ON_PLANE = 0.1      # tuned 0.05 to 0.2: of the radius: what is closer to the plane of a wall lies on it; judged
+ON_PLANE = 0.1      # tuned 0.05 to 0.2: distance from the plane of a wall on which particles lie, in radii; judged
 
 
 class Across(NamedTuple):

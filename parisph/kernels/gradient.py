@@ -20,7 +20,7 @@ TOO_FEW = -1.0      # quality of a moment of fewer than dim + 1 neighbours
 # lie on one side.
 ACROSS = 0.1        # tuned 0.05 to 0.2: damping of the slope of the velocity across a wall; judged
 ALONG = 0.01        # tuned 0.005 to 0.02: damping of that slope along a wall; judged
-SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times what its quality lacks; judged
+SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times its lack of quality; judged
 # In the tip of water on a flat beach the surface is the only layer, up to 1.5 spacings above the bed, and nodes below
 # it have no row.
 DATUM = 1.4    # tuned 0.7 to 2.8: spacings from a wall within which its datum helps a gradient; judged

@@ -10,7 +10,7 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.rankine import Invariants
 from parisph.kernels.records import Cloud
 
-STRAIN_LIMIT = 0.01  # tuned 0.005 to 0.02: largest change of volume in a step that the strain source answers; judged
+STRAIN_LIMIT = 0.01  # tuned 0.005 to 0.02: largest change of volume in a step by the strain source; judged
 # Otherwise volume that the rows cannot remove would grow without limit.
 EXPANSION = 0.01     # tuned 0.005 to 0.02: largest relative volume that a particle remembers; judged
 

@@ -28,8 +28,8 @@ from parisph.kernels.smoothing import quartic_weight
 # A jitter of 1.2 spacings gives -0.03. Making the row of a particle in a drop isotropic can give any value.
 NEGATIVE = 0.1  # tuned 0.05 to 0.2: negative weight over the sum, up to which a row is made isotropic; judged
 # A row beyond this gave a drop at the lid fourteen times the pressure of all the water.
-UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum of a row, from which on it is given up; measured
-WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, in that of the weight; judged
+UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum, above which a row is dropped; measured
+WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, over that of the weight; judged
 # A row has no Laplacian if it extrapolates, or if its result for a parabola is almost zero.
 COVERED = 0.05  # tuned 0.025 to 0.1: least weight of the neighbours at the points of the circle; judged
 CURVED = 0.1    # tuned 0.05 to 0.2: least result of a row for a parabola, over R^2; judged

@@ -9,7 +9,7 @@ from parisph.kernels.near import SPLINE_SLOPE, fill_up, gather, room_for
 from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.row import finish_row
 
-FLAT = 0.02  # tuned 0.01 to 0.04: det/(trace/dim)^dim of Gamma below which a row is given up, as of a line; judged
+FLAT = 0.02  # tuned 0.01 to 0.04: det/(trace/dim)^dim of Gamma below which a row is dropped, as on a line; judged
 
 
 def cisph1_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:

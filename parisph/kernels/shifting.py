@@ -11,7 +11,7 @@ from parisph.kernels.records import Cloud
 # The solid behind a wall does not move as fluid there would, so it holds a layer at its distance half as stiffly. Dam
 # break (H/s = 40, twelve starts): noise of P2 .011 with 1, .0085 with 1.5, .0085 with 2, .008 with 3; error of P2 .074,
 # .061, .062, .063.
-STIFF = 1.5    # tuned 0.75 to 3: times that the gradient of concentration across a wall counts; measured
+STIFF = 1.5    # tuned 0.75 to 3: weight of the gradient of concentration across a wall; measured
 
 
 @kernel

@@ -13,7 +13,7 @@ from parisph.kernels.cells import nearby
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 
-LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node looks out; judged
+LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node sees; judged
 SLACK = 1e-9     # margin of an element over its size, so that lines cannot pass between two elements
 PLANES = 6       # largest number of planes near a particle: with more, each element is tested
 ROUNDING = 1e-8  # uncertainty of the distance to a plane, over the lift

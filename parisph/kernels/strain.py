@@ -13,7 +13,7 @@ from parisph.kernels.records import Cloud
 
 # The weight is 1 if the fit passes through the particle, and .6 to .8 beside a contact line, where surface particles
 # would creep without the filter.
-ALONE = 0.95    # tuned 0.475 to 1: weight of a particle in its own mean from which on there is no fit; measured
+ALONE = 0.95    # tuned 0.475 to 1: weight of a particle in its own mean above which it has no fit; measured
 TINY = float(np.finfo(float).tiny)  # avoids 0/0
 
 

@@ -18,7 +18,7 @@ from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import nearest_point
 
 SECTORS = 16  # of the circle, in the quick test for a gap
-FEW = 4       # tuned 2 to 8: neighbours, with fewer of which a particle is on the surface; judged
+FEW = 4       # tuned 2 to 8: number of neighbours below which a particle is on the surface; judged
 
 
 @kernel

@@ -12,10 +12,10 @@ from parisph.kernels.smoothing import quartic_weight
 # Half a cell beside a wall, 3/2 spacings wide, is 3/4 of a cell. Where layers do not divide the depth, all parts are
 # larger.
 HALF = 0.81     # tuned 0.76 to 0.86: part of a cell up to which a particle lies on the surface; judged
-FULL = 0.86     # tuned 0.81 to 0.99: part of a cell from which on a particle stands for a full one; judged
+FULL = 0.86     # tuned 0.81 to 0.99: part of a cell above which a particle represents a full one; judged
 # in spacings
-THIN = 0.3      # tuned 0.15 to 0.6: least distance of the two last layers; judged
-THICK = 1.5     # tuned 1 to 3: largest distance of the two last layers; judged
+THIN = 0.3      # tuned 0.15 to 0.6: least distance of the last two layers; judged
+THICK = 1.5     # tuned 1 to 3: largest distance of the last two layers; judged
 FIRST, SECOND = 1.05, 2.3    # coefficients of a parabola for this distance, fitted on lattices (`_layer`)
 LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
 

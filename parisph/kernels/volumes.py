@@ -19,9 +19,9 @@ from parisph.kernels.records import Cloud, Walls
 
 MOST = 256       # largest numbers of sides of a cell and of wet wall particles near it; others are ignored
 # Stretched jets have larger ones.
-GAP = 1.0        # tuned 0.75 to 2: spacings, circumradius of the largest triangle that is fluid; judged
-NEAR_WALL = 0.75 # tuned 0.5 to 1.5: spacings, a corner on a wall is wet if a wet wall particle is as near; judged
-NEAR_SIDE = 1.6  # tuned 0.8 to 3.2: spacings, neighbours that bound most of a cell; judged
+GAP = 1.0        # tuned 0.75 to 2: circumradius of the largest triangle of fluid, in spacings; judged
+NEAR_WALL = 0.75 # tuned 0.5 to 1.5: distance of wet wall particles that make a corner wet, in spacings; judged
+NEAR_SIDE = 1.6  # tuned 0.8 to 3.2: distance of neighbours that bound most of a cell, in spacings; judged
 ON = 1e-6        # tolerance at an element's ends, over its length
 BOX = -1         # side of the initial box, at which a cell is open
 

@@ -14,10 +14,10 @@ FACTOR, POWER = 8.3, 1.0 / 7.0    # u+ = 8.3 y+^(1/7)
 KARMAN, ROUGH = 0.41, 8.5         # u+ = ln(y/k)/.41 + 8.5
 # Friction falls from NEAR to FAR: on average one layer of disordered particles feels it, without pulses as particles
 # come and go.
-NEAR = 1.0        # tuned 0.5 to 1.5: spacings from a wall up to which friction is whole; judged
-FAR = 1.5         # tuned 1 to 3: spacings from which on there is no friction; judged
-CURVED = 0.97     # tuned 0.485 to 1: cosine to an element above which a convex edge is one of a curved wall; judged
-CLOSEST = 0.1     # tuned 0.05 to 0.2: spacings; what is nearer to a wall or behind it counts as so far away; judged
+NEAR = 1.0        # tuned 0.5 to 1.5: spacings from a wall with full friction; judged
+FAR = 1.5         # tuned 1 to 3: spacings from a wall without friction; judged
+CURVED = 0.97     # tuned 0.485 to 1: cosine to an element above which a convex edge belongs to a curved wall; judged
+CLOSEST = 0.1     # tuned 0.05 to 0.2: least distance from a wall in the law, in spacings; judged
 
 
 @inlined

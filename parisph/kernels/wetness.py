@@ -11,20 +11,20 @@ from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
-TOUCH = 0.55    # tuned 0.275 to 1: fluid as near to a wall touches it; the guard stops it at half a spacing; judged
-MOVING = 1e-3   # tuned 0.0005 to 0.002: what moves by less in a step rests; judged
-BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to the fluid in front of it; judged
+TOUCH = 0.55    # tuned 0.275 to 1: fluid that touches a wall; the guard stops it at half a spacing; judged
+MOVING = 1e-3   # tuned 0.0005 to 0.002: largest move in a step at rest; judged
+BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to fluid in front of it; judged
 # Fluid within LAYER in front of a wall particle covers it.
-FAR = 2.5       # tuned 1.6 to 5: fluid as far in front of a wall particle does not cover it; judged
-FELT = 0.75     # tuned 0.5 to 1.5: fluid as near to a wall particle feels its friction, wet or not; judged
-NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind a water line that moves on along the wall; judged
-NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next ones on its wall, or beyond a corner; judged
+FAR = 2.5       # tuned 1.6 to 5: fluid in front of a wall particle that no longer covers it; judged
+FELT = 0.75     # tuned 0.5 to 1.5: fluid that feels the friction of a wall particle, wet or not; judged
+NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind an advancing water line; judged
+NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next on its wall, or beyond a corner; judged
 INSIDE = 2.1    # tuned 1.05 to 4.2: from a wet wall particle to inner fluid; judged
-STANDS = 0.55   # tuned 0.275 to 1: along the wall, from the contact line to the surface particle before it; judged
+STANDS = 0.55   # tuned 0.275 to 1: along the wall, from the contact line to a surface particle; judged
 BOTH = 0.3      # tuned 0.15 to 0.6: along the wall, to fluid that covers one of its sides; judged
 # Without a unit:
-ALIKE = 0.5     # tuned 0.25 to 1: cosine of normals above which two wall particles are of one wall; judged
-FACES = 0.5     # tuned 0.25 to 1: part of a normal along a wall from which on another wall ends it; judged
+ALIKE = 0.5     # tuned 0.25 to 1: cosine of normals above which wall particles belong to one wall; judged
+FACES = 0.5     # tuned 0.25 to 1: component of a normal along a wall above which another wall ends it; judged
 ACROSS = 0.25   # tuned 0.125 to 0.5: sine^2 of the angle of an axis to the normal, for a tangent along it; judged
 
 # Values of the field `closing`, the relation of a wall particle to the fluid in front of it.

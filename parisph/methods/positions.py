@@ -22,19 +22,19 @@ LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way;
 # Waves have errors of up to .023 in phase with them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with
 # a = .05 d), and disorder of .4 has .02. With .035 a heaving box raises the level of a flume two to three times as
 # much; with .02 that wave errs twice as much.
-VOID = 0.025    # tuned 0.0125 to 0.05: mean density error of a void, below which calm fluid has one; measured
-NEAR_SURFACE = 2.0    # tuned 1 to 4: spacings from a surface particle within which a shift knows the surface; judged
+VOID = 0.025    # tuned 0.0125 to 0.05: mean density error of a void in calm fluid; measured
+NEAR_SURFACE = 2.0    # tuned 1 to 4: distance from the surface within which a shift is along it, in spacings; judged
 
 # Close pairs; lengths in spacings.
-TURN_WITHIN = 0.7    # tuned 0.35 to 1: pairs of inner particles that turn; judged
-TURN = 0.05     # tuned 0.025 to 0.1: by how much they turn at the full strength of the shift; judged
+TURN_WITHIN = 0.7    # tuned 0.35 to 1: distance of inner pairs that rotate; judged
+TURN = 0.05     # tuned 0.025 to 0.1: rotating move at the full strength of the shift, in spacings; judged
 # A lattice collapses within a few long steps, in which the shift has its full strength
-TURNS = 3.0     # tuned 1.5 to 6: largest part of that turn in a step of full strength; measured
-PART_WITHIN = 0.6    # tuned 0.3 to 1: pairs without pressure that part; judged
-PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which such pairs part; judged
+TURNS = 3.0     # tuned 1.5 to 6: largest multiple of this move in a step; measured
+PART_WITHIN = 0.6    # tuned 0.3 to 1: distance of pairs without pressure that separate; judged
+PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which they separate; judged
 CLOSE = max(TURN_WITHIN, PART_WITHIN)
-APART = 0.45    # tuned 0.225 to 0.9: distance that all pairs are brought to; judged
-SWEEPS = 8      # tuned 4 to 16: sweeps that part all pairs, at most; judged
+APART = 0.45    # tuned 0.225 to 0.9: least distance of all pairs; judged
+SWEEPS = 8      # tuned 4 to 16: most sweeps that separate pairs; judged
 SWEEP = 0.15    # tuned 0.075 to 0.3: longest move in one of these sweeps; judged
 # Distance of the pairs in the sweeps. Those farther apart, or coincident, are left to the next step.
 WATCHED = APART + 3.0 * SWEEP

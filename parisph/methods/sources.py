@@ -13,7 +13,7 @@ from parisph.methods.positions import compression
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-GIVEN = 4.0    # tuned 2 to 8: steps over which the volume that a residual has made is given back, at least; judged
+GIVEN = 4.0    # tuned 2 to 8: least number of steps over which volume is given back; judged
 
 
 class Mixed(Source):

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 GAP = surface.Gap(
-    enter=2.3,    # tuned 1.15 to 4.6: angle without neighbours from which on a particle joins the surface; judged
+    enter=2.3,    # tuned 1.15 to 4.6: angle without neighbours above which a particle joins the surface; judged
     leave=1.4,    # tuned 0.7 to 2.3: angle below which it leaves the surface; judged
     thin=0.55,    # tuned 0.275 to 1: density ratio below which a particle is on the surface; judged
 )
-REGAIN = 1.5    # tuned 1 to 3: times the floor of the gradient: when free flight of a kept surface ends; judged
+REGAIN = 1.5    # tuned 1 to 3: floor at which free flight on a frozen surface ends, over that of the gradient; judged
 
 
 def classify(flow: "Flow", rule: Surface, dt: float) -> None:

@@ -15,11 +15,11 @@ from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
 from parisph.parallel.particles import Particles
 
-GROWTH = 1.1    # tuned 1.05 to 1.2: from one step to the next, at most; judged
+GROWTH = 1.1    # tuned 1.05 to 1.2: largest ratio of successive steps; judged
 # Shorter steps feed jets close above a solid, and disintegrating columns one or two particles wide.
-LEAST_MOVE = 0.1    # tuned 0.05 to 0.2: spacings the fastest particle may move in any impact or strain; measured
-WAVE_MOVE = 0.02    # tuned 0.01 to 0.04: spacings it may move in waves that no force makes; judged
-GENTLE = 0.1    # tuned 0.05 to 0.2: of the longest move: what acceleration may add in the first step; judged
+LEAST_MOVE = 0.1    # tuned 0.05 to 0.2: least limit on the move of the fastest particle, in spacings; measured
+WAVE_MOVE = 0.02    # tuned 0.01 to 0.04: the same in waves without a force; judged
+GENTLE = 0.1    # tuned 0.05 to 0.2: part of the longest move by acceleration in the first step; judged
 REST = 9.81     # [m/s^2], gravity on earth, which sets the first step of fluid at rest without forces
 TOLD_MOVE = 0.3       # tuned 0.15 to 0.6: move in spacings in the shortest time that particles resolve; judged
 TOLD_FALL = 0.025     # tuned 0.0125 to 0.05: shortest time that particles resolve over sqrt(s/a); judged
