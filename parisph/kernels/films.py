@@ -10,7 +10,7 @@ from parisph.kernels.near import height, room_for
 from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import quartic_weight
 
-# with the force f into the wall; with .5, P2 of dam breaks scatters more
+# f is the force into the wall. With .5, P2 of dam breaks scatters more.
 CALM = 0.1    # tuned 0.05 to 0.2: speed along the wall over sqrt(f s) above which films stay unchanged; judged
 FLAT = 0.5    # tuned 0.25 to 1: part of the trace across the wall above which neighbours are not a layer; judged
 

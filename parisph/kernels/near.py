@@ -15,7 +15,7 @@ from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
-LANES = 8    # two vectors: with 4, a loop that takes two at a time leaves a slow rest (5 % of rows and densities)
+LANES = 8    # two vectors: with 4, loops unrolled by two leave a slow remainder (5 % of rows and densities)
 FAR = 8.0  # in units of the radius of the weight
 
 # Other weights of least squares: the cubic spline W whose support is the radius, and its slope -W'/r.

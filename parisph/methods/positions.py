@@ -15,7 +15,7 @@ from parisph.parallel.sums import sums
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# It costs at most one in a thousand of a small move.
+# The error is at most a thousandth of a small move.
 SLACK = 1e3  # tuned 500 to 2000: tolerance of the position solve over that of the pressure; judged
 CAP = 0.1    # tuned 0.05 to 0.2: longest move of the position projection and of the shift, in spacings; judged
 LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way; judged
@@ -28,7 +28,7 @@ NEAR_SURFACE = 2.0    # tuned 1 to 4: distance from the surface within which a s
 # Close pairs; lengths in spacings.
 TURN_WITHIN = 0.7    # tuned 0.35 to 1: distance of inner pairs that rotate; judged
 TURN = 0.05     # tuned 0.025 to 0.1: rotating move at the full strength of the shift, in spacings; judged
-# A lattice collapses within a few long steps, in which the shift has its full strength
+# A lattice collapses within a few long steps, at the full strength of the shift.
 TURNS = 3.0     # tuned 1.5 to 6: largest multiple of this move in a step; measured
 PART_WITHIN = 0.6    # tuned 0.3 to 1: distance of pairs without pressure that separate; judged
 PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which they separate; judged

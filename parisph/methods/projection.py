@@ -360,7 +360,7 @@ class Projection:
                 budget.move("pressure", force.cause, force.work(flow, start))
         self._regularise_velocity(dt)
         if flow.returned:
-            self._note_what_is_left(dt)
+            self._write_residual(dt)
         self._move(start, time, dt)
         budget.mark(p, "pressure")
 
@@ -428,7 +428,7 @@ class Projection:
         self.parts.surface_gradient.complete(out, flow)
         return out
 
-    def _note_what_is_left(self, dt: float) -> None:
+    def _write_residual(self, dt: float) -> None:
         """Write the divergence of the new velocity, with that of walls, at the operators of the step. Collective.
 
         With the walls' velocity a step earlier, water beside a moving wall would seem to change its volume in

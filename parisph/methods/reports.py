@@ -38,7 +38,7 @@ class StepReport:
 
     @property
     def fallbacks(self) -> int:
-        """Number of solves in the step that needed another solver than the first."""
+        """Number of solves in the step that needed a fallback solver."""
         return 0
 
 
@@ -80,5 +80,5 @@ class ProjectionReport(StepReport):
 
     @property
     def fallbacks(self) -> int:
-        """Number of solves in the step that needed another solver than the first."""
+        """Number of solves in the step that needed a fallback solver."""
         return (self.fallback != "") + (self.position_fallback != "")

@@ -8,7 +8,7 @@ from parisph.base.arrays import Floats
 from parisph.kernels import movement
 from parisph.parallel.particles import Particles
 
-SHARE = 1.0 / 12.0    # of dt^2 a, by which a kick must be evaluated ahead for a frequency of fourth order
+SHARE = 1.0 / 12.0    # part of dt^2 a by which a kick is evaluated ahead for a frequency of fourth order
 FADES = 0.75          # tuned 0.375 to 0.95: step over sqrt(s/g) beyond which the share falls, as power -4; judged
 # A shorter step has no stored acceleration and no own mean of pressures on walls.
 SHORT = 0.5           # tuned 0.25 to 1: part of the usual step below which a step is short; judged

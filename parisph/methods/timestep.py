@@ -139,12 +139,12 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: F
 
 
 def rest_step(numerics: ResolvedNumerics) -> float:
-    """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
+    """Return the time [s] of a fall from rest on earth over the longest move of an adaptive step."""
     return float(_fall(longest_move(numerics), REST))
 
 
 def longest_move(numerics: ResolvedNumerics) -> float:
-    """Return how far the fastest particle may move in an adaptive step [m]."""
+    """Return the longest move [m] of a particle in an adaptive step."""
     return numerics.cfl * numerics.spacing
 
 
