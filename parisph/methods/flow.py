@@ -34,7 +34,6 @@ class Flow:
     density : [kg/m^3]; viscosity : kinematic [m^2/s]
     body : callable (x (n, dim), t) -> (n, dim), read-only, the body force per unit mass in the tank's frame [m/s^2]
     particles, domain, walls, timers : of this run; walls are a methods.boundary.Boundary
-    closed : whether the fluid fills a closed tank, without a free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     friction : case.friction.Friction, or None
@@ -60,13 +59,13 @@ class Flow:
     pressure_gradient: Callable[..., Floats]
 
     def __init__(self, numerics: ResolvedNumerics, density: float, body: Callable[[Floats, float], Floats],
-                 particles: Particles, domain: Domain, walls: Any, timers: Timers, closed: bool = False,
+                 particles: Particles, domain: Domain, walls: Any, timers: Timers,
                  budget: Budget | None = None, viscosity: float = 0.0, spin: Callable[[float], float] | None = None,
                  absorb: Callable[[Floats, float], tuple[Floats, Floats]] | None = None,
                  friction: Friction | None = None, wave_time: float = np.inf, vorticity: float = 0.0) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
-        self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
+        self.budget, self.spin, self.absorb = budget or NoBudget(), spin, absorb
         self.friction, self.wave_time, self.vorticity = friction, wave_time, vorticity
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
@@ -74,6 +73,7 @@ class Flow:
         carried = particles.fields
         self._cloud = self.particles.cloud(domain.indptr, domain.indices, self.spacing)
         self.open = "closing" in carried    # a free surface: walls may be dry
+        self.closed = not self.open    # fluid fills a closed tank
         self.rotational = "swirl" in carried    # initial vorticity of the fluid
         self.half_cells = "share" in carried    # the part of half cells at walls that fluid represents
         self.weighed = "alpha" in carried    # density ratio

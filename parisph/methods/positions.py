@@ -167,7 +167,7 @@ class FickShift(Regulariser):
 
     def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
-        return (*self.fields, *strain)
+        return (*self.fields, "alpha", *strain)
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
