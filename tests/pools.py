@@ -189,7 +189,8 @@ class Rows:
         self.matrix = records.Rows(np.zeros(pool.n, np.int32), np.full(nnz, -1, np.int32), np.full(nnz, np.nan),
                                    np.full(pool.n, np.nan))
         self.count, self.columns, self.values, self.measure = self.matrix
-        self.flux = records.Flux(self.count, self.columns, np.full((nnz, pool.dim), np.nan), np.full(pool.n, np.nan))
+        self.flux = records.DivergenceRows(self.count, self.columns, np.full((nnz, pool.dim), np.nan),
+                                           np.full(pool.n, np.nan))
         self.div = self.flux.div
 
     def entries(self, i):
