@@ -15,6 +15,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.records import no_walls
 from parisph.parallel.particles import Particles
 
+MARGIN = 0.5     # spacings that a particle may move before elements near it are looked for again, if walls rest
 NO_ROOM = 0.4    # spacings in front of a wall that moves: nodes of others there are dry, as no particle fits between
 
 
@@ -51,6 +52,7 @@ class WallElements:
         self._near = np.zeros(0, np.int64)
         self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
         self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self._searched: Floats | None = None    # places of particles at the last search
         self._mean = self.u
         self._place()
 
@@ -151,7 +153,7 @@ class WallElements:
 
     def settle(self, particles: Particles, width: float) -> None:
         """Choose the elements within the width [m] of owned particles, after these have changed ranks or order."""
-        p, corners = particles, self.mesh.corners(self.x)
+        p, corners, self._searched = particles, self.mesh.corners(self.x), None
         self._near = np.zeros(0, np.int64)
         if p.n_owned:
             lower, upper = p.x.min(axis=0) - width, p.x.max(axis=0) + width
@@ -178,7 +180,10 @@ class WallElements:
 
     def renew(self, particles: Particles, radius: float) -> None:
         """Find the elements that may come within the radius [m] of owned particles until the next call."""
-        self._candidates = solids.near_lists(particles.x, self.walls.corners, radius)
+        x, known, margin = particles.x, self._searched, MARGIN * self.spacing
+        if self.moving or known is None or np.max(np.abs(x - known), initial=0.0) > margin / self.mesh.dim:
+            self._candidates = solids.near_lists(x, self.walls.corners, radius + margin)
+            self._searched = x.copy()
 
     def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
         """Make the lists of the elements within the radius [m] of owned particles, as they are now; return neighbour
