@@ -29,9 +29,9 @@ class Method:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
 
-# What both papers have in common: no filter, no films, no shift, no second solve, p = 0 at surface particles. The
-# papers do not say how div u* is found for rows other than those of ISPH_R. With the nodal form of the gradient's
-# stencils, water at rest leaves the tank within half a second.
+# Common to both papers: no filter, no films, no shift, no second solve, p = 0 at surface particles. The papers do not
+# define div u* for rows other than those of ISPH_R. With the nodal form of the gradient's stencils, water at rest
+# leaves the tank within half a second.
 _PAPER = {
     "divergence": "flux", "wall_guard": 0.25, "gradient": "sfdi", "surface_gradient": "same", "wall_rows": "sfdi",
     "surface_rule": "auxiliary",
