@@ -37,7 +37,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
         said = str(error).partition("\n")[0][:80] or type(error).__name__
         raise CaseError(f"not a stored case: {said}") from None
     if not isinstance(content, dict):
-        raise CaseError(f"not a stored case: it holds a {type(content).__name__}, not an object")
+        raise CaseError(f"not a stored case: it contains a {type(content).__name__}, not an object")
     version = content.get("schema", 0)
     if not isinstance(version, int) or isinstance(version, bool) or version < 0:
         raise CaseError(f"schema = {version!r:.40}: must be a whole number; the file was not written by parisph")
@@ -85,7 +85,7 @@ def _check_asked(used: Numerics, asked: Numerics) -> None:
     own = {*PRESETS[asked.preset], *METHODS[asked.method].values}
     for name, value in used.model_dump().items():
         if given[name] != value and (given[name] is not None or name not in own):
-            remedy = "edit both alike"
+            remedy = "make the same edit in both"
             if name in ("preset", "method"):    # or the values of the old one would stay
                 remedy = 'change it in "asked", remove "numerics" and rename "asked" to "numerics"'
             raise CaseError(f"numerics.{name} = {shown(value)}, but asked.{name} = {shown(given[name])}: {remedy}")

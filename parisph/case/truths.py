@@ -73,7 +73,7 @@ def _one_window(window: tuple[float, float] | None) -> tuple[float, float] | Non
     return window
 
 
-Window = Annotated[tuple[float, float] | None, Field(description="start and end of what is compared [s]"),
+Window = Annotated[tuple[float, float] | None, Field(description="start and end of the comparison [s]"),
                    AfterValidator(_one_window)]
 
 

@@ -257,7 +257,7 @@ def of_gauges(case: Case, run: Run) -> list[str]:
     if abs(share) <= limit.value:
         return []
     return [f"a wave at the gauge {name} was {share:+.0%} off the middle one in height, at t = {when:.4g} s, though "
-            f"all should be alike: {limit.advice}"]
+            f"all should be equal: {limit.advice}"]
 
 
 def heights(time: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -85,4 +85,4 @@ def early_warnings(case: Case, count: Mapping[str, int], expected: scales.Scales
     step, every = case.end_time / max(steps, 1), case.output.every
     if every is not None and every < step:
         yield (f"output.every = {every:g} s: is shorter than a step, about {estimate.rounded(step)} s: "
-               f"{case.end_time / every:.2g} snapshots would show no more than one of each step; use a longer time")
+               f"{case.end_time / every:.2g} snapshots would show one of each step at most; use a longer time")

@@ -81,7 +81,7 @@ class Account:
     def _ahead(self, simulation: Simulation) -> list[str]:
         """Return the warnings before the run, the same on all ranks, and log them. Collective."""
         comm, case = simulation.comm, simulation.case
-        found = on_first(comm, "look for what is doubtful in the case",    # the estimate depends on the machine
+        found = on_first(comm, "check the case for warnings",    # the estimate depends on the machine
                          lambda: [*precheck.early_warnings(case, build.counts(case), scales.expected(case), comm.size)])
         told: list[str] = comm.bcast(found)
         for text in told if comm.rank == 0 else ():

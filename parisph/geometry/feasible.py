@@ -23,7 +23,7 @@ GAP = 2.0        # spacings: in a narrower gap each particle is beside both wall
 THIN = 0.1       # spacings: the front and the back of a thinner solid cannot be told apart
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
 FLAT = 10.0      # degrees: on a flatter slope, the tip of the water is one particle deep over many spacings
-RESTLESS = ", and waves that reach it may gain energy; to take them up, use a Sponge in place of the slope"
+RESTLESS = ", and waves that reach it may gain energy; to absorb them, use a Sponge instead of the slope"
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: values that a message proposes are accepted
 
@@ -239,7 +239,7 @@ def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing
     """Bodies of fluid without particles, or separated by less than a spacing."""
     for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         if isinstance(fluid, StillWater) and not walls:
-            yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
+            yield f"{title}: still water at level {fluid.level:g}: there are no walls around it; give walls, or a Box"
             continue
         if isinstance(fluid, StillWater) and any(isinstance(other, StillWater) for other in fluids[:number]):
             yield f"{title}: there is still water before it; give one, with the higher level"

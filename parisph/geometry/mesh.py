@@ -87,7 +87,7 @@ def no_mesh(dim: int) -> WallMesh:
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     """Return the mesh of the walls of a scene (2D), each in its own frame, as at t = 0.
 
-    walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies that move alike are joined where they touch.
+    walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies with the same motion are joined where they touch.
 
     Raises
     ------

@@ -118,8 +118,8 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
             one, other = walls[met.one], walls[met.other]
             yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
                    f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
-                   f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or let both move "
-                   "alike")
+                   f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or give both the "
+                   "same motion")
 
 
 def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:

@@ -97,7 +97,7 @@ class WallElements:
         moving = {body.name: body.motion for body in self.mesh.bodies if body.motion}
         if name not in moving:
             raise CaseError(f"let_move: no body {name!r} moves (those that do: {', '.join(moving) or 'none'}); give it "
-                            "a motion in the case, which says how far it goes")
+                            "a motion in the case, which sets its range")
         self._moving[moving[name]] = mover, self._moving[moving[name]][1]
 
     # -- positions -------------------------------------------------------------------------
