@@ -42,8 +42,7 @@ def compile_expression(text: str | float, names: tuple[str, ...]) -> Callable[..
     text : str or float
     names : allowed variables, for example ("x", "y", "t")
 
-    Returns:
-    function(**variables) -> float64 array of the broadcast shape of all variables given
+    Returns: function(**variables) -> float64 array of the broadcast shape of all variables given
 
     Raises ValueError: the text contains something that is not allowed
     """
@@ -80,8 +79,7 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
     components : tuple of float or str, one for each dimension
     with_time : bool, whether t may occur
 
-    Returns:
-    function(x, t=0.0) -> a new float64 array (n, dim), for positions x (n, dim) [m] and t [s]
+    Returns: function(x, t=0.0) -> a new float64 array (n, dim), for positions x (n, dim) [m] and t [s]
 
     Raises ValueError: see compile_expression
     """

@@ -35,8 +35,7 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
         case.json of a run
     sets : dict of parameter values, or a list of texts "name=value"
 
-    Raises:
-    CaseError : the file, a parameter or the case is wrong. Any exception in the
+    Raises CaseError: the file, a parameter or the case is wrong. Any exception in the
         code of the case file (also SystemExit, but not KeyboardInterrupt) becomes a CaseError.
     """
     file = _find(path)

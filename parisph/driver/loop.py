@@ -52,8 +52,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
     overwrite : whether to move an earlier run in `out` to `out`.old, `out`.old-2, ...; nothing is ever removed
     force : whether to use a folder locked by a process that may still run
 
-    Raises:
-    CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then contains
+    Raises: CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then contains
     summary.json and all results so far, unless it already contained a run (CaseError).
     """
     with guarded(comm, "run"), _signals(comm) as signals:

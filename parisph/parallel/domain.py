@@ -89,8 +89,7 @@ class Domain:
 
         If work is uneven, cells change owners. Sorts the owned particles along the Hilbert curve, makes the ghosts, and
         fills their `exchanged` fields. Returns True if row numbers have changed: arrays outside `particles` are then
-        stale.
-        Raises ParticleLost on every rank if a position is not finite, or outside a closed tank.
+        stale. Raises ParticleLost on every rank if a position is not finite, or outside a closed tank.
         """
         return self._redistribute(force, self._survey())
 

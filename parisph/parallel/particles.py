@@ -18,11 +18,10 @@ GROWTH = 1.2  # spare room of arrays, so changes in the number of ghosts do not 
 class Particles:
     """One array per field of the scene, the owned particles first, then the ghosts.
 
-    For each name in `fields`, for example u: `p.u` is the view of the owned particles,
-    (n_owned,) or (n_owned, dim), and `p.u_all` that of owned and ghost particles, (n_all, ...),
-    in the units of the registry. Ghosts are copies of other ranks' particles; only the halo
-    writes them. `p.u = values` copies into the view. Views are stale after `assign` and after a
-    redistribution.
+    For each name in `fields`, for example u: `p.u` is the view of the owned particles, (n_owned,) or (n_owned, dim),
+    and `p.u_all` that of owned and ghost particles, (n_all, ...), in the units of the registry. Ghosts are copies of
+    other ranks' particles; only the halo writes them. `p.u = values` copies into the view. Views are stale after
+    `assign` and after a redistribution.
 
     Attributes
     ----------

@@ -128,11 +128,9 @@ class PressureSolver:
             This rank's rows as CSR with global columns in any order; n_owned may be 0. The solver keeps the arrays
             until the next matrix or `release`, some preconditioners longer, and rearranges them: do not use them again.
         rhs : (n_owned,) float, b
-        guess : (n_owned,) float, (k, n_owned) float or None
-            Initial guess (the previous pressure), or several: the first is taken if it solves the equation, else the
-            best. None for zero. The same k on all ranks.
-        renumbered : bool
-            Row numbers have changed, on any rank, since the previous matrix.
+        guess : (n_owned,) float, (k, n_owned) float or None, the initial guess (the previous pressure), or several: the
+            first is taken if it solves the equation, else the best. None for zero. The same k on all ranks.
+        renumbered : bool, whether row numbers have changed, on any rank, since the previous matrix
 
         Returns
         -------

@@ -22,12 +22,11 @@ class System:
     Parameters
     ----------
     comm : mpi4py communicator
-    closed : bool
-        No Dirichlet row is expected. If A has the null vector v (1 in every row, 0 in identity rows), the solved system
-        is Q A p = Q b with Q = I - v v^T / v.v: A p = b up to a constant in all rows of v, the incompatible part of b.
-        The left null vector w of nonsymmetric rows is not constant, so b minus its mean still has w.b != 0 and no
-        solution. Q A p = Q b has a solution for every b (w.v != 0, as w > 0 for such rows). The solution with zero mean
-        is returned. A regular matrix is solved unchanged.
+    closed : bool, whether no Dirichlet row is expected. If A has the null vector v (1 in every row, 0 in identity
+        rows), the solved system is Q A p = Q b with Q = I - v v^T / v.v: A p = b up to a constant in all rows of v, the
+        incompatible part of b. The left null vector w of nonsymmetric rows is not constant, so b minus its mean still
+        has w.b != 0 and no solution. Q A p = Q b has a solution for every b (w.v != 0, as w > 0 for such rows). The
+        solution with zero mean is returned. A regular matrix is solved unchanged.
 
     Attributes
     ----------

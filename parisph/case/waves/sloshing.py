@@ -26,8 +26,7 @@ def sway_sloshing_elevation(x: ArrayLike, t: ArrayLike, length: float, depth: fl
     amplitude [m], frequency [rad/s] : of the sway
     modes : the series has the odd modes below this number
 
-    Returns:
-    array of the broadcast shape [m]
+    Returns: array of the broadcast shape [m]
     """
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
     eta = np.zeros(x.shape)
