@@ -1,8 +1,7 @@
 """Zones of a tank that force the velocity of the water towards that of a wave, or to rest.
 
 The equation of motion has the additional term (u_t - u)/tau there. A Sponge (u_t = 0) absorbs incoming waves. A
-Relaxation zone, with the velocity of a wave, absorbs every difference from it: so it makes this wave and absorbs
-others.
+Relaxation zone, with the velocity of a wave, absorbs every difference from it: it makes this wave and absorbs others.
 """
 
 from collections.abc import Iterator, Sequence
@@ -61,8 +60,7 @@ class Sponge(Zone):
     """Absorbs waves: forces the velocity towards zero.
 
     start, length [m]: the zone reaches from x = start to start + length, and is strongest at the end nearer to an end
-    of the tank. It reflects 1 to 2.5 % of the height of waves as long as the zone, .3 % of waves half as long (kd = .8
-    to 3).
+    of the tank. It reflects 1 to 2.5 % of the height of waves of its length, .3 % of waves half as long (kd = .8 to 3).
 
     >>> Sponge(start=8.0, length=2.0).end
     10.0

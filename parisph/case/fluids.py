@@ -33,7 +33,7 @@ class Fluid(Model):
     elevation : None, or the height of the free surface above the top of a Box or the level of StillWater [m], a
         number or an expression of x; columns of a Box are stretched linearly to it, those of StillWater are moved up
     wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0 instead of these two; the
-        top of the Box is its still surface, and the height of the Box is its depth. StillWater has this depth at its
+        top of the Box is its still surface, and its height is the wave's depth. StillWater has this depth at its
         deepest place
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
@@ -94,8 +94,7 @@ class Fluid(Model):
         length : [m], over which the velocity varies little
 
         By central differences. It counts as 0 where a velocity beside a point is not known, and where it may be an
-        error of rounding or of the differences: where differences over half the length, extrapolated, leave little of
-        it.
+        error of rounding or of the differences: if differences over half the length, extrapolated, are far smaller.
         """
         if self.wave is not None:
             return np.zeros(len(x))

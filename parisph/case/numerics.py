@@ -224,14 +224,12 @@ class ResolvedNumerics(Numerics):
 class Output(Model):
     """What is written and when. Snapshots of the start and the end of a run are always written.
 
-    every : time between snapshots [s]; each shows the end of the nearest step and contains its time, so output changes
-        no step
+    every : time between snapshots [s]; each is of the end of the nearest step, so output changes no step
     times : further times of snapshots [s], likewise
     fields : names of the particle fields in snapshots
     checkpoint_every : simulated time between checkpoints [s], None for only one at the end
     probe_every : steps between samples of the probes
-    probe_interval : time between samples of the probes [s], instead of `probe_every`; samples are interpolated
-        linearly to exactly these times
+    probe_interval : time between samples of the probes [s], instead of `probe_every`; with linear interpolation
     budget : whether steps.csv also has the energy that the fluid gained by each part of the step
 
     >>> Output(every=0.05, times=(0.012,), fields=("u", "p"), probe_interval=0.001).fields

@@ -67,8 +67,7 @@ class Probe(Measure, Model):
     judged : column to which a truth refers, "" for the first
     impacts : columns whose peaks and their durations are in the summary
     quantity : label of axes in pictures, "" to derive it from the unit; quantities : {column: label} of other columns
-    family : of kinds that share axes, "" for none; of_potential : beginnings of columns that pictures omit if gravity
-        is not constant
+    family : of kinds that share axes, "" for none; of_potential : beginnings of columns omitted if gravity varies
     """
 
     columns: ClassVar[Mapping[str, str]] = {}

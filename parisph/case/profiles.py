@@ -18,8 +18,8 @@ MOST = 1000    # profiles in a file
 class Profiles(Model):
     """Heights of the surface along x at several times: columns of a CSV file with one header line ('#' for comments).
 
-    Each profile is compared at its time, without a shift, at the gauges between its ends. Where it overturns, the upper
-    surface counts, as for a gauge.
+    Each profile is compared at its time, without a shift, at the gauges between its ends. If it overturns, its top
+    counts, as for a gauge.
 
     file : path, relative to the case file
     time, x, value : names of the columns

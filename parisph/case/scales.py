@@ -84,8 +84,8 @@ def _calm(case: Case) -> bool:
 def top_speed(case: Case) -> float:
     """Return the greatest speed [m/s] of fluid without jets: of its start, of walls and frame, and of a fall.
 
-    The fall is through the whole scene along each axis, by the largest body force of the run; without walls it lasts
-    until the end.
+    The fall is through the whole scene along each axis, by the largest body force; without walls it lasts until the
+    end.
     """
     x, bounds = np.concatenate(_sample(case)), case.wall_bounds
     force = np.max([np.abs(case.body_force(x, t)).max(axis=0) for t in np.linspace(0.0, case.end_time, LOOKS)], axis=0)
@@ -139,8 +139,7 @@ def _level(case: Case, down: Floats) -> Box | None:
 
 
 def _fall(case: Case, down: Floats) -> float:
-    """Return the greatest fall of fluid [m]: to the far side of the tank; without walls infinite, or to the centre of a
-    central force."""
+    """Return the greatest fall of fluid [m]: across the tank; without walls infinite, or to the centre of a force."""
     lower, upper = case.fluid_bounds
     if case.wall_bounds is None:
         return np.inf if uniform_field(case.gravity) is not None else 0.25 * float(np.max(upper - lower))

@@ -21,8 +21,7 @@ class PeakBand(Model):
     start, end : of the interval [s]; low, high : of the band, in the probe's unit; None if only the time is known
     smooth : width [s] of a moving mean of the run, against spikes of single steps; None for none
     when : published time of the greatest value [s], or None
-    level : value at rest, subtracted before the comparison, in the probe's unit: the height of still water if `low` and
-        `high` are heights above the bed
+    level : value at rest, subtracted before comparison: still water if `low` and `high` are heights above the bed
 
     >>> PeakBand(start=2.2, end=2.6, low=2100.0, high=4300.0).high
     4300.0
@@ -100,8 +99,7 @@ class Truth(Model):
     smooth : width [s] of a moving mean of both series before they are compared; None for none
     name : as shown on pages and in legends
     note : for readers of the error, such as the place of a sensor
-    published : {author and method: relative L2 error against the same reference, printed or recomputed from curves; the
-        name says which}
+    published : {author and method: relative L2 error against the same reference}, named as printed or recomputed
     peaks : bands of the greatest values, one PeakBand for each
     others : further references, compared in the same way
 

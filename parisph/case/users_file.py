@@ -60,8 +60,8 @@ def module_of(file: Path, path: AnyPath, name: str) -> types.ModuleType:
 def users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
     """Return action(), which runs code of a file of the user.
 
-    Raises CaseError with the place of any exception except Ctrl-C, or BadEnvironment if the machine or an installed
-    library is at fault.
+    Raises CaseError with the place of any exception except Ctrl-C, or BadEnvironment if machine or libraries are at
+    fault.
     """
     try:
         return action()

@@ -78,8 +78,7 @@ def waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
 
 
 def _made_by(body: Body, case: Scene) -> Airy | None:
-    """Return the wave of a piston or a flap with a harmonic motion, by linear theory, if gravity points down; else
-    None."""
+    """Return the wave of a harmonic piston or flap by linear theory, if gravity points down; else None."""
     motion, gravity = getattr(body, "motion", None), uniform_field(case.gravity)
     if not isinstance(body, (Piston, Flap)) or not isinstance(motion, (Sway, Roll)) or gravity is None:
         return None

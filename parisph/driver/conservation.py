@@ -74,8 +74,7 @@ class Conservation:
 
     The energy is computed in each step, the volume (mean Voronoi cell inside the fluid) every EVERY steps. Fluid that
     has left the tank counts with its energy at that time. The potential energy is relative to the lowest corner of the
-    tank, in the direction of gravity. So the energy is positive, and its change relative to the start has the right
-    sign.
+    tank, in the direction of gravity. So it is positive, and its relative change has the right sign.
 
     The energy in motion is the kinetic energy plus the potential energy above that of the fluid at rest: the energy of
     waves, which is small compared with the total potential energy. If a tank is the only wall and the water as wide as
@@ -222,8 +221,7 @@ def _rest(case: Case, scene: ProbeScene) -> Callable[[float], float] | None:
     It is defined for a tank with vertical walls, with gravity downwards. Particles represent the volumes around them,
     as at the start (Filling.cells): particles at the bed 3/2 cells, those on the surface 1/2. So at rest on the lattice
     their potential energy is proportional to d^2/2 + s^2/2, that of water of depth d to d^2/2. This applies if the
-    water is as wide as the tank; other water comes to rest off the lattice. Without a force there is no potential
-    energy.
+    water is as wide as the tank; other water comes to rest off the lattice. Without a force it is 0.
     """
     g, density = scene.gravity, case.density
     if not case.driven and not g.any():

@@ -81,8 +81,7 @@ class Seen:
     pair [s], pair_time [s] : the least distance of two particles
     time [s] : of the last measurement of the level
     mean, square : averages over LASTING of the error of the level [m] and of the variance of the elevation [m2]
-    off, off_time, off_height : the largest error of the level [m], its time [s], and the height of the waves until then
-    [m]
+    off, off_time, off_height : largest error of the level [m], its time [s], height of the waves until then [m]
     high : the greatest height of waves [m]
     """
 

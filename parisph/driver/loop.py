@@ -75,16 +75,15 @@ def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyP
             petsc_options: list[str] | None = None, progress: bool = True, force: bool = False) -> dict[str, Any]:
     """Continue a run from its last checkpoint, or from a given one, on any number of ranks. Collective.
 
-    A run killed before its first checkpoint begins again. A run killed between its last checkpoint and its summary is
-    completed.
+    A run killed before its first checkpoint begins again. One killed after its last checkpoint is completed.
 
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder to continue in,
     without an earlier run; the same folder by default. Other parameters as for `run`.
 
     Raises:
     As `run`, and on every rank before anything is changed: CaseError if `out` contains another run, if results of the
-    same folder after the checkpoint would be lost, or if nothing is left to do; StoreError if the folder is in use, or
-    a file is damaged.
+    same folder after the checkpoint would be lost, or if nothing is left to do; StoreError for a folder in use or a
+    damaged file.
     """
     with guarded(comm, "restart"), _signals(comm) as signals:
         return _restarted(signals, path, comm, until, out, petsc_options, progress, force)

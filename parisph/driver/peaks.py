@@ -43,8 +43,7 @@ class Copied:
 class Waiting:
     """The flow after a step whose pressure means are not yet known.
 
-    pressure : time of its pressure [s]; time : of its end [s]; at_edge : whether the window of a peak begins or ends
-    here
+    pressure : time of its pressure [s]; time : of its end [s]; at_edge : whether a window begins or ends here
     """
 
     pressure: float
@@ -62,8 +61,7 @@ class PeakFlows:
 
     Means of pressures are known only some steps later. Their line is straight between its knots, so its maximum is at a
     knot, or at the first or last step of a window. The flows of these steps, one or two at a time, wait in memory and
-    in checkpoints until their means are known. Those at the end of a run are judged as if it ended there, and again if
-    it continues.
+    in checkpoints until their means are known. Those at the end of a run are judged there, and again if it continues.
 
     samplers : list of Sampler, of all probes
     fields : names of the fields in snapshots

@@ -52,8 +52,7 @@ def warnings(case: Case, count: Mapping[str, int], expected: scales.Scales) -> I
 
 
 def _about_the_step(case: Case) -> Iterator[str]:
-    """Warn of a fixed step clearly longer than waves or the fastest fluid allow, unless viscosity or sound shortens
-    it."""
+    """Warn of a fixed step that is too long for waves or the fastest fluid, unless viscosity or sound shortens it."""
     (limit, reason), dt = stable_time_step(case), case.numerics.time_step
     if dt is not None and LONG * limit < min(dt, estimate.stable_step(case)):
         yield (f"numerics.time_step = {dt:.3g} s is {dt / limit:.3g} times the step of {limit:.3g} s that {reason}: "

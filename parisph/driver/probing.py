@@ -40,8 +40,7 @@ class Watch:
     Samples have the time of their quantity: the end of a step, or for pressures on walls the time of the pressure, in a
     projection the middle of the step. A sample due after the last pressure of a run has that pressure, so all series
     reach the end. At a fixed rate, samples are at exactly k intervals, by linear interpolation in time between two
-    steps, and probes are evaluated only around these times; a restart evaluates them again at the beginning of its
-    first step.
+    steps, and probes are evaluated only around these times, and at a restart.
 
     Pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a sample is
     written when its mean is known, some steps later. A restart needs the state of the means.

@@ -215,8 +215,7 @@ class Simulation:
 
     @property
     def nearest(self) -> float:
-        """Time [s] up to which output at ends of steps is due: the end of this step is nearer to it than that of the
-        next.
+        """Time [s] up to which output at ends of steps is due: this end is nearer to it than the next one.
 
         So output changes no step. The next step is assumed to be as long as the last one.
         """
@@ -396,8 +395,7 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
 
 
 def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:
-    """Return the uniform vorticity [1/s] of the fluid, else 0, and the name of the field of vorticity, if any.
-    Collective.
+    """Return the uniform vorticity [1/s] of the fluid, else 0, and its field if it has vorticity. Collective.
 
     Viscous fluid, or fluid with an eddy viscosity, does not keep its vorticity and has none here.
     """

@@ -67,8 +67,7 @@ def fill(case: Case, flow: Flow) -> None:
     """Pack the fluid of a scene, set its volumes, and jitter it. Collective.
 
     Fluid on the lattice of a lone tank is even (build.even), and its jittered particles are not moved further. In other
-    scenes a method that keeps pairs apart does so here too, as its first step would do so only after the pressure
-    solve.
+    scenes a method that keeps pairs apart does so here too: its first step would do it after the pressure solve.
     """
     p, d, s = flow.particles, flow.domain, case.numerics.spacing
     even = build.even(case)

@@ -136,8 +136,7 @@ def has_surface(case: Scene) -> bool:
 def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iterator[tuple[Array, Array]]:
     """Yield sample places (m, dim) [m] of the fluid at the start, with the volume (m,) [m^dim] of each.
 
-    For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene from which to return places; the
-    places do not depend on it
+    For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene whose places are returned
     """
     for fluid, fill in zip(case.fluids, fillings(case)):
         for places, volume in samples_of(fill, *domain(case), (lower[0], upper[0])):

@@ -36,8 +36,7 @@ def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats,
 
     x : (n, dim) [m]; corners : (M, dim, dim) [m]
     within : [m]; points farther away get distance inf and element -1; a small value is faster
-    Of equally near elements, like those that share a node, the one whose normal is closest to the direction of the
-    point is returned.
+    Of equally near elements, like those that share a node, the one with the normal nearest to the way to x.
     """
     n, dim = x.shape
     distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)

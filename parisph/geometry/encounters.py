@@ -204,7 +204,7 @@ def _places(elements: Floats, spacing: float) -> tuple[Floats, Ints]:
 
 
 def _facing(a: Solid, b: Solid, spacing: float) -> tuple[Floats, Floats]:
-    """Return the distances (n,) [m] along the normals from places on a solid to another one that faces them, else inf,
-    and the places (n, 2) [m]."""
+    """Return distances (n,) [m] along normals from places (n, 2) [m] on a to b where it faces them, else inf;
+    places."""
     places, own = _places(a.elements, spacing)
     return across(places, unit_normals(a.elements)[own], b.elements, FACING, -CONTACT * spacing)[0], places

@@ -161,8 +161,7 @@ def _wedges(chains: Sequence[Chain], names: Sequence[str]) -> Iterator[str]:
 
 
 def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, Floats, int]]:
-    """Return where walls below fluid cross levels [m]: the angle between wall and level [degrees], the place (2,) [m],
-    and the body."""
+    """Return where walls below fluid cross levels [m]: angle between both [degrees], place (2,) [m], and body."""
     corners, found = mesh.corners(), []
     normal = area_vectors(corners)
     for level in levels:

@@ -33,8 +33,8 @@ Taken = tuple[Shape, Sequence[Shape]]    # a shape of other fluid and its holes
 def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]], number: int) -> list[Taken]:
     """Return the other fluid to which a body of fluid gives way: the shapes before it, with their holes.
 
-    Still water gives way to all other fluid and leaves its holes empty. So bodies that touch or overlap join, and no
-    place has two particles.
+    Still water gives way to all other fluid and leaves its holes empty. So touching bodies join, and no place has two
+    particles.
     """
     if isinstance(shapes[number], StillWater):
         return [(shape, ()) for shape in shapes if not isinstance(shape, StillWater)]

@@ -1,8 +1,8 @@
 """The boundary mesh of a scene: wall nodes, and the elements between them, about a spacing long.
 
-Nodes are particles and have rows of the pressure equation; elements define the walls. A tank that no other body touches
-keeps the nodes of its lattice, in their order (any dimension). Other outlines are divided piece by piece into
-round(length / s) elements (2D).
+Nodes are particles and have rows of the pressure equation; elements define the walls. A lone tank keeps the nodes of
+its lattice, in their order (any dimension). Other outlines are divided piece by piece into round(length / s) elements
+(2D).
 """
 
 from collections.abc import Iterator, Sequence
@@ -45,8 +45,7 @@ class WallMesh:
     area : (N,) of the node's part of the wall [m^(dim-1)]; vector_area : (N, dim), the integral of the normal over it
     share : (N,) part of the node's cell inside the fluid: the angle of the fluid over the full angle
     body : (N,) int; edge : (N,) int8, FLAT, CONCAVE, or CONVEX, which has no row
-    elements : (M, dim) int, nodes; in 2D the fluid is on the left from the first to the second, in 3D on the side that
-        sees them in anticlockwise order
+    elements : (M, dim) int, nodes; in 2D the fluid is on their left, in 3D on the side with anticlockwise order
     element_body : (M,) int; bodies : Body number 0, 1, ...
     """
 

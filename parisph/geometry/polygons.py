@@ -128,8 +128,7 @@ def _seen(outlines: Sequence[Solid], points: Floats, pieces: Ints, body: Ints) -
 def _kept(forward: Flags, thin: Flags) -> Flags:
     """Return which of the pieces in one place stay: one for each direction with fluid on its left.
 
-    forward : (n,) bool, their directions; thin : (n,) bool, whether they belong to a plate. Between two solids is no
-    fluid.
+    forward : (n,) bool, their directions; thin : (n,) bool, whether of a plate. Between solids is no fluid.
     """
     solid = [(forward & ~thin).any(), (~forward & ~thin).any()]
     keep = np.zeros(len(forward), dtype=bool)

@@ -19,8 +19,7 @@ BELOW = 1.0      # spacings below the rim to which water may fall in the step in
 
 @dataclass(frozen=True)
 class Rim:
-    """The box around the container of the water: the Tank, else all Profiles, else all bodies. Or the half-space in
-    front of the face of a wavemaker.
+    """The box around the Tank, else all Profiles, else all bodies; or the half-space in front of a wavemaker.
 
     motion : of the container; lower, upper : (dim,) corners at rest [m]; left, right : heights of its sides [m], -inf
     where water may leave at any height; spacing : [m]; reach : [m] behind a wall, beyond which a point is lost

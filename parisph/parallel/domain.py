@@ -34,8 +34,7 @@ class Domain:
     list_skin : [m], largest move of a particle before the lists are rebuilt
     closed : whether the box is a closed tank: a particle farther outside than `radius` is lost
     tolerated : imbalance (max/mean of the ranks' work) above which the work is divided again
-    balance_every : the imbalance is checked when particles change rank, and at least once in this many calls of
-        `redistribute`
+    balance_every : calls of `redistribute` between checks of the imbalance, if particles do not change rank
     elements : WallElements, or None without walls; particles behind a wall are not neighbours
 
     Attributes
@@ -84,8 +83,7 @@ class Domain:
     # -- called by a step -----------------------------------------------------------------
 
     def redistribute(self, force: bool = False) -> bool:
-        """Move particles to their owners if any has moved by more than the skin, if forced, or if work is uneven.
-        Collective.
+        """Move particles to their owners if one has moved by the skin, if forced, or if work is uneven. Collective.
 
         If work is uneven, cells change owners. Sorts the owned particles along the Hilbert curve, makes the ghosts, and
         fills their `exchanged` fields. Returns True if row numbers have changed: arrays outside `particles` are then

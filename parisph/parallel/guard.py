@@ -1,8 +1,8 @@
 """A guard against ranks that wait forever for a failed or finished one.
 
 Expected errors in collective calls are raised on all ranks (base.errors.agree). Other errors on one rank, such as
-sys.exit or a MemoryError in a user's code, leave the other ranks waiting. A Guard then ends all ranks, with the
-traceback of the failed one.
+sys.exit or a MemoryError in a user's code, leave others waiting. A Guard then ends all ranks, with the failed one's
+traceback.
 """
 
 import atexit
@@ -33,8 +33,7 @@ class Guard:
     If a call raises an exception on only some ranks, all ranks end within PATIENCE: the others would wait forever. A
     rank that ends without an error sends others the number of its calls. A rank that waits for it in a later call ends
     all ranks; a rank that does not wait, for example because it makes pictures, is left alone. An uncaught exception
-    also ends all ranks, unless they end too. The first call on the communicator of `watch` also finds ranks that ended
-    before.
+    also ends all ranks, unless they end too. The first call on the communicator of `watch` finds earlier ends too.
 
     Without an error no messages are sent. To detect ranks that have ended, the MPI library
     must support calls from several threads (MPI_THREAD_MULTIPLE, which mpi4py requests).
@@ -91,8 +90,7 @@ class Guard:
 
     @contextmanager
     def call(self, name: str) -> Iterator[None]:
-        """Return the context of a collective call: an error is on all ranks, or all ranks end. Inner calls are part of
-        it."""
+        """Return the context of a collective call, with inner ones: an error is on all ranks, or all ranks end."""
         if self._call is not None or self._ended.is_set():
             yield
             return
@@ -163,8 +161,7 @@ class Guard:
             _abort(self.comm, f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
     def _partners(self, sign: int) -> set[int]:
-        """Return the few ranks that get the message of this one (1), or that send it theirs (-1). If all others wait,
-        one of them gets it."""
+        """Return the ranks that get the message of this one (1) or send theirs (-1): few, but at least one."""
         size = self.comm.size
         return {(self.comm.rank + sign * 2**k) % size for k in range(size.bit_length())} - {self.comm.rank}
 
@@ -172,8 +169,7 @@ class Guard:
     def watch(cls, world: MPI.Comm | None = None) -> None:
         """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize.
 
-        Not collective. world : communicator of all ranks, on which ranks may end before their first call; None to keep
-        it
+        Not collective. world : communicator of all ranks, or None to keep it
         """
         cls._world = cls._world if world is None else world
         if cls._watched:

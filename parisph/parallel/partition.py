@@ -106,8 +106,7 @@ class Partition:
 def split(comm: MPI.Comm, cells: Ints, weights: Ints, end: int) -> Ints:
     """Divide the curve into one range per rank, of equal weight as far as cells allow. Collective.
 
-    Finds all cuts at once by bisection of the keys. Each round takes one sum over the ranks, of a vector with one entry
-    per cut.
+    Finds all cuts at once by bisection of the keys. Each round sums one vector, with an entry per cut, over the ranks.
 
     Parameters
     ----------

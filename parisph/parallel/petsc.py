@@ -2,8 +2,8 @@
 
 By default PETSc reads `.petscrc` and `petscrc` in the current folder, and an option there may load any library
 (`-dll_append`): a foreign folder would run code even when its cases are only checked. The user's `PETSC_OPTIONS` and
-`~/.petscrc` stay valid. The import is collective over all ranks, like the start of PETSc. If a program has already
-started PETSc, nothing changes.
+`~/.petscrc` stay valid. The import is collective over all ranks, like the start of PETSc. A running PETSc does not
+change.
 """
 
 import ctypes

@@ -32,8 +32,8 @@ class WallElements:
 
     Attributes
     ----------
-    x, normal, u, a, turn : (N, dim), of all nodes position [m], normal, velocity [m/s], acceleration [m/s^2], and
-        rotation rate of the normal [1/s]
+    x, normal, u, a, turn : (N, dim), of all nodes: position [m], normal, velocity [m/s], acceleration [m/s^2], rotation
+    rate [1/s]
     moves : (N,) bool, nodes of moving walls
     walls : the elements near this rank's particles (kernels.records.Walls), with the lists of those that each owned
         particle sees; velocity, acceleration : (M, dim), of these elements; motion : (M,) int, number of their motion
@@ -105,8 +105,7 @@ class WallElements:
     def place(self, at: float, start: float, stop: float) -> None:
         """Move walls to their positions at time `at` [s], in a step from start to stop [s], possibly of length 0.
 
-        Nodes have the velocity at the start, elements the mean of the step. The acceleration is the change of velocity
-        in the step over its length.
+        Nodes have the velocity at the start, elements the mean of the step. The acceleration is the mean of the step.
         """
         mean = self.u.copy()
         for mover, own in self._moving.values():
@@ -116,8 +115,7 @@ class WallElements:
         self._place()
 
     def put(self, particles: Particles) -> None:
-        """Write position, normal and area of this rank's wall particles, with ghosts, and the velocity of owned
-        ones."""
+        """Write position, normal and area of wall particles of this rank, with ghosts, and velocity of owned ones."""
         p = particles
         here, node = self._here(p.kind_all, p.id_all)
         p.x_all[here], p.normal_all[here] = self.x[node], self.normal[node]
@@ -182,8 +180,7 @@ class WallElements:
         self._candidates = solids.near_lists(particles.x, self.walls.corners, radius)
 
     def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
-        """Update the lists of elements within a radius [m] of owned particles; return neighbour lists without particles
-        behind walls."""
+        """Update the lists of elements within a radius [m]; return neighbour lists without particles behind walls."""
         cloud = particles.cloud(indptr, indices, self.spacing)
         near, others = self._candidates
         self.walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)

@@ -1,7 +1,7 @@
 """The work of a particle in the kernels of a step, of which ranks get equal shares.
 
-Work is counted, not timed. Measured time includes waiting for other ranks and varies: a run on several ranks could not
-be repeated bit for bit.
+Work is counted, not timed. Measured time includes waiting and varies: runs on several ranks could not be repeated bit
+for bit.
 """
 
 import numpy as np

@@ -21,8 +21,7 @@ _Spans = list[tuple[int, slice]]    # ranks, each with a part of an array
 def isolated_rows(comm: MPI.Comm, offset: int, indptr: Array, indices: Array, anchored: Flags) -> tuple[Flags, int]:
     """Return which rows lead to no anchored row. Collective.
 
-    These lead only to each other. Fixing p in one row of each group makes the matrix regular without changing other
-    rows.
+    These lead only to each other. Fixing p in one row of each group makes the matrix regular.
 
     Parameters
     ----------

@@ -159,8 +159,8 @@ def _direct(ranks: int) -> dict[str, str | None]:
 def defaults(prefix: str, options: Mapping[str, str | None]) -> Iterator[None]:
     """Add options that the user has not set to PETSc's database, and remove them afterwards.
 
-    The database is global, with at most 512 entries, so defaults stay in it only while an object is configured. The
-    user's options never change.
+    The database is global, with at most 512 entries, so defaults are in it only during configuration. Users' options
+    never change.
     """
     database = PETSc.Options(prefix)
     ours = [name for name in options if not database.hasName(name)]

@@ -157,8 +157,7 @@ class Roll(_Oscillation, Rotation):
     amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is accepted too
     frequency : angular [rad/s], or `period` [s], of a harmonic roll
     centre : (x, y) [m]
-    ramp : [s] in which a harmonic roll grows to its amplitude; default one period. With 0 the body starts with a
-    velocity
+    ramp : [s] in which a harmonic roll grows to its amplitude; default one period, 0 for a sudden start
 
     >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
     0.070 rad

@@ -1,7 +1,6 @@
 """Smooth curves through points in time: values, rates and second derivatives.
 
-Cubic splines join measured values, with a continuous second derivative. Quintic pieces join points with known first and
-second derivatives.
+Cubic splines join measured values, with continuous second derivatives. Quintic pieces join points with known ones.
 """
 
 from collections import deque

@@ -71,8 +71,7 @@ def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
 
 
 def _check_length(wave: WaveTrain | SolitaryWave, words: str) -> None:
-    """Raise ValueError if a regular wave is too long for the second order. words : name of the record that can omit
-    it"""
+    """Raise ValueError if a regular wave is too long for the second order. words : the record"""
     if isinstance(wave, (Airy, Stokes, StreamFunction)):
         ursell = wave.height * wave.length**2 / wave.depth**3
         if ursell > LONGEST:

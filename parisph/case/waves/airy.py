@@ -32,8 +32,8 @@ def transfer(k: float, y: Floats, depth: float) -> tuple[Floats, Floats]:
 class Airy(Travelling):
     """A regular wave of linear theory: eta = (height/2) cos(k (x - at) - omega t).
 
-    height [m], period [s], depth [m]. The velocity is extrapolated above the still surface. The error is of the order
-    of the steepness.
+    height [m], period [s], depth [m]. Velocities are extrapolated above the still surface. Errors are of the order of
+    steepness.
 
     >>> wave = Airy(height=0.05, period=1.2, depth=0.5)
     >>> print(f"{wave.length:.2f} m, {wave.elevation(0.0, 0.6):+.3f} m")    # half a period after the crest
@@ -87,8 +87,7 @@ class StandingWave(WaveField):
     """A linear standing wave: eta = amplitude cos(k (x - at)) sin(omega t + phase), k = 2 pi/length (Z17 Eqs 36-38).
 
     amplitude, length, depth [m]; an antinode is `at` [m]. With phase = 0 the surface is flat at the start, with phase =
-    pi/2 the water is at rest. High waves should start flat: an elevation of linear theory lacks the second order, and
-    makes free waves.
+    pi/2 the water is at rest. High waves should start flat: a linear elevation makes free waves.
 
     >>> wave = StandingWave(amplitude=0.02, length=2.0, depth=1.0, phase=pi / 2)
     >>> print(f"{wave.elevation(0.0, 0.0):.3f} m, {wave.omega:.2f} rad/s")

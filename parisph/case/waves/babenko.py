@@ -68,8 +68,7 @@ class Solitary:
 
     @cached_property
     def _fine(self) -> tuple[Floats, Floats, Floats]:
-        """alpha, x and dx/dalpha (n,) at points on the surface, even in alpha, from the crest to the end of the
-        period."""
+        """alpha, x and dx/dalpha (n,) at points on the surface, even in alpha, from the crest for half a period."""
         n, k = 4 * len(self.eta), np.arange(1, len(self.eta)) * np.pi / self.half
         sines = self.eta[1:] / np.tanh(k)
         room = np.zeros(n + 1 - len(self.eta))

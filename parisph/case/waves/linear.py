@@ -27,8 +27,7 @@ def wave_number(omega: Number, depth: float, g: float = 9.81) -> Number:
 
 
 def standing_wave_elevation(x: Values, t: Values, amplitude: float, k: float, depth: float, g: float = 9.81) -> Values:
-    """Return the elevation [m] of a linear standing wave with an antinode at x = 0, a cos(kx) sin(omega t) (Z17 Eq
-    36)."""
+    """Return the elevation [m] of a linear standing wave, a cos(kx) sin(omega t) (Z17 Eq 36)."""
     eta: Values = amplitude * np.cos(k * x) * np.sin(angular_frequency(k, depth, g) * t)
     return eta
 

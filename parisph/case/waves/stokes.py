@@ -103,8 +103,7 @@ def _harmonics(k: float, height: float, depth: float, g: float, order: int) -> t
 class Stokes(Travelling):
     """A regular wave by Stokes's expansion to the order 2, 3, 4 or 5, of given height [m], period [s] and depth [m].
 
-    The mean Eulerian current is zero. Valid up to height length^2/depth^3 of about 40; use StreamFunction for
-    longer waves.
+    The mean Eulerian current is zero. Valid for height length^2/depth^3 <= 40; use StreamFunction for longer waves.
 
     >>> wave = Stokes(height=0.1, period=1.2, depth=0.5)
     >>> print(f"crest {wave.elevation(0.0, 0.0):.3f} m, trough {wave.elevation(0.0, 0.6):.3f} m")
