@@ -75,14 +75,14 @@ def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
             continue
         if isinstance(wave, Airy) and part > HARMONIC:
             yield (f"{size.name}: a linear wave of this height lacks its second harmonic, {part:.0%} of its amplitude, "
-                   "which goes along as a free wave; use Stokes, or StreamFunction for a long one")
+                   "which becomes a free wave; use Stokes, or StreamFunction for a long one")
         elif isinstance(wave, StandingWave) and part > MOST_HARMONIC:
             yield (f"{size.name}: it is too high for linear theory, by which its second harmonic has {part:.0%} of its "
                    f"amplitude, at most {MOST_HARMONIC:.0%}; use an amplitude of at most "
                    f"{rounded_down(0.5 * size.height * MOST_HARMONIC / part)}")
         elif isinstance(wave, StandingWave) and (missed := part * math.sin(wave.phase) ** 2) > HARMONIC:
             yield (f"{size.name}: with phase = {wave.phase:.3g} it starts raised by linear theory, without its second "
-                   f"harmonic, {missed:.0%} of its amplitude: as much goes along as free waves of twice the wave "
+                   f"harmonic, {missed:.0%} of its amplitude: as much becomes free waves of twice the wave "
                    "number; start with phase = 0, when the surface is flat and the second harmonic is least")
 
 
@@ -93,9 +93,9 @@ def _sponges(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
     for number, zone in enumerate(case.zones):
         own = getattr(zone, "wave", None)
         if longest is not None and zone.length < longest.length * (1.0 - 1e-6):
-            told = ("more than 2.5 % of it comes back (0.3 % from a sponge of twice its length)"
+            told = ("more than 2.5 % of it is reflected (0.3 % by a sponge of twice its length)"
                     if isinstance(zone, Sponge)
-                    else "it comes out lower" if longest.wave == own else "more than 8 % of it comes back")
+                    else "it leaves the zone lower" if longest.wave == own else "more than 8 % of it is reflected")
             yield (f"absorb[{number}]: the {zone.kind} is {zone.length:.3g} m long, and {longest.name} has a wave of "
                    f"{longest.length:.3g} m: {told}; use a length of at least {longest.length:.3g}")
 

@@ -44,7 +44,7 @@ def problems(case: Scene) -> list[str]:
 def _bodies(case: Scene) -> Iterator[str]:
     bodies = case.bodies
     if case.walls is not None and not bodies:
-        yield "walls = (): names no body; leave walls out where there are none"
+        yield "walls = (): names no body; leave it out"
     for name, count in sorted(Counter(body_names(bodies)).items()):
         if count > 1:
             yield f"walls: the name {name!r} is given {count} times; give each body a name of its own"

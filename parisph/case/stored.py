@@ -85,7 +85,7 @@ def _check_asked(used: Numerics, asked: Numerics) -> None:
     own = {*PRESETS[asked.preset], *METHODS[asked.method].values}
     for name, value in used.model_dump().items():
         if given[name] != value and (given[name] is not None or name not in own):
-            remedy = "make the same edit in both"
+            remedy = "edit both equally"
             if name in ("preset", "method"):    # or the values of the old one would stay
                 remedy = 'change it in "asked", remove "numerics" and rename "asked" to "numerics"'
             raise CaseError(f"numerics.{name} = {shown(value)}, but asked.{name} = {shown(given[name])}: {remedy}")

@@ -39,7 +39,7 @@ def edits(folder: Path, saved: str) -> dict[str, Any]:
             f"{named(path)} was edited: {what}.\n"
             f"A restart takes edits of {', '.join(TAKEN)} alone, as all others would make another run of it.\n"
             f"To run the edited case from its start: parisph run {named(path)} -o DIR\n"
-            f"To go on with the case as it was: move {named(path)} out of its folder; the restart writes it again")
+            f"To continue the original case: move {named(path)} out of its folder; the restart writes it again")
     return {name: new for name, (_, new) in found.items()}
 
 

@@ -206,7 +206,7 @@ class PeakFlows:
             total = s.comm.bcast(None if found is None else len(found["x"]))
             if total is None:
                 logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, "
-                               f"is not in {folder} any more")
+                               f"is no longer in {folder}")
                 continue
             # rank 0 has the whole flow
             dim = s.particles.dim

@@ -37,9 +37,9 @@ def elements_of(case: Case, particles: Particles) -> WallElements:
     mesh = build.scene_mesh(case) or no_mesh(case.dim)
     nodes = particles.comm.allreduce(int(np.count_nonzero(particles.kind == WALL)))
     if nodes != len(mesh.x0):
-        raise CaseError(f"the checkpoint has {nodes} particles on walls, and this release divides the same walls by "
-                        f"{len(mesh.x0)}: go on with the release that made the run, which `parisph info` names, or "
-                        "start it anew with parisph run and its case.json")
+        raise CaseError(f"the checkpoint has {nodes} particles on walls, and this release has {len(mesh.x0)} for "
+                        "them: continue with the release of the run, which `parisph info` names, or start it again "
+                        "with parisph run and its case.json")
     last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
     movers = [Prescribed(motion) for motion in build.scene_motions(case)]
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, movers)

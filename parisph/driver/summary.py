@@ -129,7 +129,7 @@ class Account:
         found = [*([] if checks is None else checks.of_loss()), *self._notes]
         if most > BODY * self._fluid > 0.0:
             found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
-                         "fluid particles and the walls): their pressure has no level of its own")
+                         "fluid particles and the walls): the level of their pressure is not fixed")
         return [*found, *({} if checks is None else checks.passed()).values(), *self._uneven]
 
     def state(self, simulation: Simulation, comm: MPI.Comm | None = None) -> dict[str, Any]:

@@ -226,7 +226,7 @@ def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], f
             beside = any(_is_near(fluid, end, spacing) for fluid in fluids) and in_fluid(movers, end[None])[0]
             if end[1] < top - 1e-6 * spacing and beside:
                 yield (f"{mesh.bodies[body].name}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
-                       "top; lead it on above the water, or let it end on another body")
+                       "top; extend it above the water, or end it on another body")
 
 
 def _is_near(fluid: Shape | StillWater, x: Floats, spacing: float) -> bool:

@@ -46,8 +46,8 @@ def _face(maker: Piston | Flap, name: str, fixed: Sequence[Wall]) -> Profile:
     if bottom is None:
         bed = _bed(fixed, maker.place)
         if bed is None:
-            raise CaseError(f"walls, {name}: there is no bed below x = {maker.place:g}; lead a Profile or a Tank under "
-                            "it, or give its lower end: bottom=...")
+            raise CaseError(f"walls, {name}: there is no bed below x = {maker.place:g}; extend a Profile or a Tank "
+                            "below it, or give its lower end: bottom=...")
         bottom = bed
     if not top > bottom:
         raise CaseError(f"walls, {name}: its upper end at y = {top:g} is not above the lower one at {bottom:g}; give "

@@ -86,9 +86,9 @@ def test_other_changes_keep_what_was_resolved(monkeypatch):
 
 @pytest.mark.parametrize("name, value, says", [
     ("preset", "gentle", "numerics.preset = 'gentle', but asked.preset = 'violent': change it in \"asked\""),
-    ("kappa", 0.1, "numerics.kappa = 0.1, but asked.kappa = 0.4: make the same edit in both"),
-    ("spacing", 0.0125, "numerics.spacing = 0.0125, but asked.spacing = 0.025: make the same edit in both"),
-    ("max_time_step", 0.01, "numerics.max_time_step = 0.01, but asked.max_time_step = None: make the same edit in both"),
+    ("kappa", 0.1, "numerics.kappa = 0.1, but asked.kappa = 0.4: edit both equally"),
+    ("spacing", 0.0125, "numerics.spacing = 0.0125, but asked.spacing = 0.025: edit both equally"),
+    ("max_time_step", 0.01, "numerics.max_time_step = 0.01, but asked.max_time_step = None: edit both equally"),
 ])
 def test_an_edit_of_one_of_two_values_is_refused(name, value, says):
     content = json.loads(to_json(stored(preset="violent", kappa=0.4, spacing=0.025, time_step=None)))
