@@ -41,7 +41,7 @@ OTHER = f"{FINER}, or {{other}}"
 PRESETS = {"violent": 'preset="violent" for steep or breaking waves',
            "gentle": 'preset="gentle" for waves that do not break'}
 LIMITS = {
-    # kinetic energy over all energy in motion at the start, of a flow without work on it: at most 1 in a right one
+    # kinetic energy over all energy in motion at the start, of a flow without work on it: at most 1 in reality
     "motion": Limit(1.05, (1.02, 1.2), "runs that are right: 1.00; waves that feed on errors: 1.1 to 3", OTHER),
     # energy in motion from the surface over that at the start, of the same flow; it may lag by part of a wave
     "grown": Limit(1.2, (1.1, 1.5), "standing waves, ten to forty particles long: 1.00 to 1.05; those that feed on "
@@ -66,7 +66,7 @@ LOWEST = 0.02      # spacings: lower waves are ignored
 WAVES = 8          # fewest waves that a gauge needs for a comparison
 REGULAR = 0.1      # of the median period: spread of the periods from the first to the last decile
 GROWN = 0.8        # of the median height: the first wave as high begins the comparison
-# Kinetic energy over all energy at the start, of a flow without work on it: at most 1 in a right one. Explosions that
+# Kinetic energy over all energy at the start, of a flow without work on it: at most 1 in reality. Explosions that
 # calm down, with parts of methods that no preset has, reached 3.5; others went on to 1e5 and more within some hundred
 # steps. At this limit all water has ten times the speed that its energy allows.
 EXPLODED = 100.0

@@ -52,7 +52,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
     overwrite : whether to move an earlier run in `out` to `out`.old, `out`.old-2, ...; nothing is ever removed
     force : whether to use a folder locked by a process that may still run
 
-    Raises: CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then contains
+    Raises CaseError, SolverDiverged, ParticleLost, StoreError or Interrupted on every rank; the folder then contains
     summary.json and all results so far, unless it already contained a run (CaseError).
     """
     with guarded(comm, "run"), _signals(comm) as signals:
@@ -80,10 +80,9 @@ def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyP
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder to continue in,
     without an earlier run; the same folder by default. Other parameters as for `run`.
 
-    Raises:
-    As `run`, and on every rank before anything is changed: CaseError if `out` contains another run, if results of the
-    same folder after the checkpoint would be lost, or if nothing is left to do; StoreError for a folder in use or a
-    damaged file.
+    Raises as `run`, and on every rank before anything is changed: CaseError if `out` contains another run, if results
+    of the same folder after the checkpoint would be lost, or if nothing is left to do; StoreError for a folder in use
+    or a damaged file.
     """
     with guarded(comm, "restart"), _signals(comm) as signals:
         return _restarted(signals, path, comm, until, out, petsc_options, progress, force)

@@ -74,8 +74,7 @@ def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False)
 
 
 def _as_given(path: Path, given: Path) -> Path:
-    """Return a path beside a folder that the user named `given`, relative if `given` is.
-    """
+    """Return a path beside a folder that the user named `given`, relative if `given` is."""
     near = given.parent / path.name
     return near if near.resolve() == path else path
 

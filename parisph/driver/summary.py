@@ -216,7 +216,7 @@ def _looked_back(case: Case, store: Store) -> tuple[list[str], dict[str, str]]:
 def _peak_memory() -> float:
     """Return the largest resident memory of this process so far [MB].
 
-    VmHWM of Linux starts with the program; getrusage includes the parent process.
+    VmHWM of Linux starts with the program; getrusage inherits the value of the parent process.
     """
     try:
         line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))

@@ -242,8 +242,7 @@ def _highest(case: Scene, fluid: Fluid) -> float:
 
 
 def _still_pressure(case: Scene, fluid: Fluid, x: Floats) -> Floats:
-    """Return the pressure [Pa] at x (n, dim) [m] of still fluid in uniform gravity, 0 for other shapes or forces.
-    """
+    """Return the pressure [Pa] at x (n, dim) [m] of still fluid in uniform gravity, 0 for other shapes or forces."""
     gravity = uniform_field(case.gravity)
     if gravity is None or not isinstance(fluid.shape, (Box, StillWater)):
         return np.zeros(len(x))

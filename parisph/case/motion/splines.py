@@ -16,8 +16,7 @@ Values = Sequence[float]
 
 
 class CubicSpline:
-    """The not-a-knot cubic spline through (t, y), n >= 4; constant before the first and after the last time.
-    """
+    """The not-a-knot cubic spline through (t, y), n >= 4; constant before the first and after the last time."""
 
     def __init__(self, t: ArrayLike, y: ArrayLike) -> None:
         self.t, self.y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
