@@ -145,7 +145,7 @@ class Simulation:
         self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
         budget = Budget(case.density, ProbeScene.of(case).gravity, parts.causes) if case.output.budget else None
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
-                    Boundary(elements, s), self.timers, closed=case.closed,
+                    Boundary(elements, s), self.timers,
                     budget=budget, viscosity=case.viscosity, spin=case.spin if case.turns else None,
                     absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
         if start is None:

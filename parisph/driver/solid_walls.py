@@ -60,7 +60,6 @@ def complete(case: Case, flow: Flow, names: Collection[str]) -> None:
         for name in ("weight", "area", "edge", "body"):
             getattr(p, name)[walls] = nodes[name]
     flow.domain.refresh()
-    filling.halve(flow)
 
 
 def fill(case: Case, flow: Flow) -> None:
@@ -79,7 +78,6 @@ def fill(case: Case, flow: Flow) -> None:
         filling.weigh(flow, build.samples(case, own.min(axis=0) - reach, own.max(axis=0) + reach) if len(own) else ())
     if not even:
         filling.weigh_cells(flow)
-    filling.halve(flow)
     if case.numerics.jitter > 0.0:
         _jitter(case, flow, even)
     for name, values in build.started(case, p.id, p.x).items():

@@ -16,7 +16,7 @@ from parisph.geometry.encounters import distance_between
 from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import WallMesh, chains_of, motion_numbers, stretches, wall_mesh
 from parisph.geometry.polygons import Chain
-from parisph.geometry.solid import Solid, Wall, in_fluid, signed_area, solid_of, way_beyond
+from parisph.geometry.solid import Solid, Wall, in_fluid, outline_of, signed_area, solid_of, way_beyond
 from parisph.geometry.tips import Filled
 
 GAP = 2.0        # spacings: in a narrower gap each particle is beside both walls
@@ -263,11 +263,11 @@ def _slits(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     fluid = fluids[number]
     if isinstance(fluid, StillWater):
         return
-    one = solid_of(Obstacle(shape=fluid))
+    one = outline_of(fluid)
     for other, title in zip(fluids[:number], titles):
         if isinstance(other, StillWater) or _boxes_apart(fluid, other, spacing):
             continue
-        beside = solid_of(Obstacle(shape=other))
+        beside = outline_of(other)
         gap, at = distance_between(one, beside)
         at = sum(nearest(at[None], outline.elements)[2][0] for outline in (one, beside)) / 2.0
         within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])

@@ -88,11 +88,16 @@ def solid_of(body: Wall) -> Solid:
         points = points if body.fluid_on_left else points[::-1].copy()
         return Solid(points, False, beyond=way_beyond(points) or "straight")
     if isinstance(body, Obstacle):
-        return Solid(_clockwise(corners_of(body.shape)), True)
+        return outline_of(body.shape)
     if isinstance(body, Plate):
         points = np.array(body.points, dtype=float)
         return Solid(np.concatenate([points, points[-2:0:-1]]), True, True)
     raise TypeError(f"{type(body).__name__} has no outline")
+
+
+def outline_of(shape: Shape) -> Solid:
+    """Return the Solid that a shape would be. That of fluid may touch itself, which an Obstacle refuses."""
+    return Solid(_clockwise(corners_of(shape)), True)
 
 
 def way_beyond(points: Floats) -> str | None:

@@ -1,7 +1,7 @@
-"""Neighbours of a particle, continued across the walls nearest to it.
+"""Neighbours of a particle, and their reflections in the nearest walls.
 
-Beyond the plane that touches a wall, the continuation of the fluid is its reflection. For i and j on the same side of a
-plane, the reflection of j is never closer to i than j itself: so the neighbour lists contain all that is needed.
+A reflection continues the fluid behind the plane of a wall. If i and j are on the same side of a plane, the reflection
+of j is at least as far from i as j itself, so the neighbour lists contain every particle needed.
 """
 
 import math
@@ -15,17 +15,17 @@ from parisph.kernels.near import room_for
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import nearest_walls, three_places
 
-ON_PLANE = 0.1      # tuned 0.05 to 0.2: of the radius: what is closer to the plane of a wall lies on it; judged
+ON_PLANE = 0.1      # tuned 0.05 to 0.2: distance from the plane of a wall on which particles lie, in radii; judged
 
 
 class Across(NamedTuple):
     """The columns that `gather_across` writes, and its scratch.
 
-    near, du : (dim, columns), place of a column relative to the particle in units of the radius, and the difference of
-        velocities that `differences` writes; member, planes : (columns,), the neighbour, and the bits of the planes in
-        which it is reflected, 0 for itself
-    foot, away, speed : (dim, dim), of each plane a point, the normal, and the velocity; slips : (dim,), whether fluid
-        slips along it
+    near, du : (dim, columns), position of a column relative to the particle over the radius; its relative velocity,
+        which `differences` writes
+    member, planes : (columns,), index of the neighbour; bits of the planes that reflect it, 0 for the neighbour itself
+    foot, away, speed : (dim, dim), a point, the normal and the velocity of each plane
+    slips : (dim,), whether fluid slips along each plane
     """
 
     near: np.ndarray
@@ -51,9 +51,9 @@ def gather_across(across: Across, i: int, cloud: Cloud, walls: Walls, no_slip: n
                   radius: float) -> int:
     """Write the neighbours of particle i and their reflections, relative to it; return the number of columns.
 
-    With `everywhere` all wall particles are neighbours, and all walls reflect. Without, walls along which fluid slips
-    only reflect, and the particles of others, `no_slip` (n_all,), are only neighbours. Particles of the kind ABSENT,
-    and elements that are not present, are left out.
+    With `everywhere`, all wall particles are neighbours and all walls reflect. Otherwise free-slip walls reflect but
+    add no particles, and no-slip walls, `no_slip` (n_all,), add particles but do not reflect. ABSENT particles and
+    elements that are not present do not count.
     """
     kind, axes, n = cloud.kind, cloud.axes, 0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
@@ -83,7 +83,7 @@ def gather_across(across: Across, i: int, cloud: Cloud, walls: Walls, no_slip: n
 
 @subkernel
 def _find_planes(across, i, cloud, walls):
-    """Write the planes that touch the walls nearest to i, at most dim of them; return their number."""
+    """Write the planes of the walls nearest to i, at most dim; return their number."""
     axes, planes = cloud.axes, 0
     if walls.indptr[i] == walls.indptr[i + 1]:
         return 0
@@ -102,10 +102,10 @@ def _find_planes(across, i, cloud, walls):
 
 @inlined
 def _is_reflected(across, j, subset, cloud, thin):
-    """Return whether particle j has a reflection, other than itself, in the planes of the subset.
+    """Return whether particle j has a reflection in the planes of the subset that differs from itself.
 
-    All fluid has one. A wall particle on one of the planes, closer than `thin` [m], is its own reflection; a particle
-    on another wall has one behind the plane, which is needed in the corners of a tank.
+    Fluid always has one. A wall particle within `thin` [m] of one of the planes has none. A particle on another wall
+    has one, which the corners of a tank need.
     """
     if cloud.kind[j] == FLUID:
         return True
@@ -121,7 +121,7 @@ def _is_reflected(across, j, subset, cloud, thin):
 
 @inlined
 def _reflect(across, n, cloud, radius, i):
-    """Write the place of column n relative to particle i."""
+    """Write the position of column n relative to particle i."""
     j = across.member[n]
     for a in range(len(cloud.axes)):
         across.near[a, n] = cloud.x[j, a]
@@ -138,7 +138,7 @@ def _reflect(across, n, cloud, radius, i):
 
 @subkernel
 def differences(across: Across, n: int, i: int, u: np.ndarray) -> None:
-    """Write the velocities u (n_all, dim) of n columns less that of particle i."""
+    """Write the velocities u (n_all, dim) of n columns relative to that of particle i."""
     dim = len(across.near)
     v, mean = np.empty(dim), np.empty(dim)
     for k in range(n):
@@ -152,10 +152,10 @@ def differences(across: Across, n: int, i: int, u: np.ndarray) -> None:
 
 @inlined
 def _reflect_velocity(v, mean, across, subset, dim):
-    """Turn the velocity of a particle into that of its reflection in the planes whose bits are set in subset.
+    """Reflect the velocity of a particle in the planes whose bits are set in subset.
 
-    Relative to the mean velocity of these planes, each along which fluid slips turns its normal part round, each other
-    one all of it. In the corner of two walls that move apart, the order of the planes thus has no effect.
+    A free-slip plane reverses the normal part of the velocity, a no-slip plane all of it, both relative to the mean
+    velocity of the planes. The result is thus independent of the order of the planes where two walls move apart.
 
     mean : (dim,) scratch
     """

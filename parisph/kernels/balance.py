@@ -1,5 +1,4 @@
-"""Rows that are not exact for linear pressure, made exact for the pressure that balances the body force; right-hand
-sides of walls, and of particles without an equation."""
+"""Hydrostatic corrections of pressure rows, and right-hand sides of walls and of particles without an equation."""
 
 import numpy as np
 
@@ -7,15 +6,14 @@ from parisph.base.fields import INNER, WET
 from parisph.kernels.jit import kernel
 from parisph.kernels.records import Cloud, Rows
 
-ROUNDING = 1e-9    # of the terms of a sum: what is less is zero
+ROUNDING = 1e-9    # smallest sum, relative to the size of its terms, that is not rounding error
 
 
 @kernel
 def add_linear_part(target: np.ndarray, rows: Rows, cloud: Cloud, force: np.ndarray, density: float) -> None:
-    """Add the Laplacian that a row finds for rho f_I . (x - x_I), which has none, to the target of inner particles.
+    """Add a row's Laplacian of rho f_I . (x - x_I), which should be zero, to the target of inner particles.
 
-    The row then means lap (p - rho f_I . x): water at rest is a solution on any particles, whatever the row does
-    to linear functions.
+    The row then approximates lap (p - rho f_I . x), so water at rest is a solution on any particles.
 
     target : (n_owned,) [Pa/m^2]; force : (n_all, dim) per unit mass [m/s^2]; density [kg/m^3]
     """
@@ -33,13 +31,13 @@ def add_linear_part(target: np.ndarray, rows: Rows, cloud: Cloud, force: np.ndar
 
 @kernel
 def add_linear_part_at_walls(right: np.ndarray, rows: Rows, cloud: Cloud, pull: np.ndarray, density: float) -> None:
-    """Add what the rows of wet wall particles find for rho a_I . (x - x_I), less its normal derivative, to the right.
+    """Subtract the error of wet wall rows for rho a_I . (x - x_I) from the right-hand side.
 
-    A row that is no normal derivative, but a mean of its neighbours or a mixture with it, is then exact for the
-    pressure of water that moves with the wall. Rows that are exact anyway stay as they are to the bit.
+    A row that is a mean of its neighbours, or mixed with one, then becomes exact for the pressure of water that moves
+    with the wall. Exact rows stay unchanged to the bit.
 
     right : (n_owned,) [Pa]; density [kg/m^3]
-    pull : (n_owned, dim), a = force on the fluid less acceleration of the wall [m/s^2]
+    pull : (n_owned, dim), a = force on the fluid minus acceleration of the wall [m/s^2]
     """
     count, columns, values, measure = rows
     x, role, normal, indptr, dim = cloud.x, cloud.role, cloud.normal, cloud.indptr, len(cloud.axes)
@@ -64,7 +62,7 @@ def wall_targets(target: np.ndarray, cloud: Cloud, force: np.ndarray, moved: np.
     """Write rho (n . force - a) to the targets of wet wall particles, Eq. 25 (2014 paper).
 
     target : (n_owned,) [Pa/m], changed; force : (n_all, dim) per unit mass [m/s^2]; density [kg/m^3]
-    moved : (n_owned,), a, acceleration across the wall of fluid that slides along it [m/s^2]; (0,) if no wall moves
+    moved : (n_owned,), a, the normal acceleration of fluid that slides along the wall [m/s^2]; (0,) if no wall moves
     """
     for i in range(len(target)):
         if cloud.role[i] == WET:
@@ -76,7 +74,7 @@ def wall_targets(target: np.ndarray, cloud: Cloud, force: np.ndarray, moved: np.
 
 @kernel
 def without_equation(right: np.ndarray, role: np.ndarray) -> None:
-    """Write 0 to the right-hand sides (n,) of particles that are neither inner nor wet walls: their p is 0."""
+    """Write 0 to the right-hand sides (n,) of particles that are neither inner nor wet walls, so that p = 0 there."""
     for i in range(len(right)):
         if role[i] != INNER and role[i] != WET:
             right[i] = 0.0

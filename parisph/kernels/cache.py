@@ -1,4 +1,4 @@
-"""The folders for compiled kernels."""
+"""Folders for compiled kernels."""
 
 import hashlib
 import os
@@ -11,9 +11,9 @@ from pathlib import Path
 from parisph.base.environment import cache_folder
 from parisph.base.paths import AnyPath
 
-# Files besides those of this folder with constants or functions that kernels of other files contain.
+# Files outside this folder whose constants or functions are compiled into kernels.
 ELSEWHERE = "base/fields.py", "base/probe_rows.py", "parallel/hilbert.py", "parallel/partition.py"
-# Files of this folder on which compiled code does not depend.
+# Files of this folder that do not affect compiled code.
 WITHOUT_CODE = "cache.py", "compiling.py", "kept.py"
 
 
@@ -23,8 +23,8 @@ class Folders:
 
     Attributes
     ----------
-    write : folder that new ones are written to; None if none can be written
-    read : folders in which they are looked for, in this order; `write` is the first of them
+    write : folder for new kernels, or None if none is writable
+    read : folders to search, in this order; `write` comes first
     """
 
     write: Path | None
@@ -36,15 +36,14 @@ class Folders:
 
 
 def folders(level: int) -> Folders:
-    """Return the folders for kernels compiled at a level of the optimiser. Not collective.
+    """Return the folders for kernels compiled at an optimisation level. Not collective.
 
-    Their name contains a digest of this level and of the kernels' sources, also of those in ELSEWHERE. numba
-    recompiles a cached kernel when its own file changes, but not when a kernel that it has inlined changes in another
-    file. The digest makes sure that stale code is never loaded.
+    Folder names contain a digest of this level and of all kernel sources, including ELSEWHERE: numba recompiles a
+    cached kernel if its own file changes, but not if a kernel inlined from another file does.
 
-    Kernels are written to NUMBA_CACHE_DIR if that is set, else beside the sources, else to the user's cache folder,
-    else (on a node without home folders) to a private temporary folder. Of these the first that can be written is
-    used, and those before it are read, which may be another user's.
+    Candidates are NUMBA_CACHE_DIR if set, the folder beside the sources, the user's cache folder, and a private
+    temporary folder (for nodes without home folders). Kernels are written to the first one that is writable. Readable
+    ones before it, perhaps another user's, are searched too.
     """
     here = Path(__file__).resolve().parent
     own = (path for path in sorted(here.glob("*.py")) if path.name not in WITHOUT_CODE)
@@ -78,10 +77,10 @@ def _can_be_made(path):
 
 
 def private_folder(base: AnyPath | None = None) -> Path:
-    """Return a folder that only this user can write, the same one in every process if possible.
+    """Return a folder that only this user can write, if possible the same one in every process. Raises OSError.
 
-    base : folder to make it in, by default the system's folder for temporary files. Compiled code that is found is
-    run, so a folder that others can write is never used. Raises OSError.
+    Stored code is executed, so a folder that others can write is never used.
+    base : parent folder, by default the system's folder for temporary files
     """
     path = Path(base or tempfile.gettempdir()) / f"parisph-kernels-{os.getuid()}"
     path.mkdir(mode=0o700, exist_ok=True)

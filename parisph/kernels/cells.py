@@ -7,7 +7,7 @@ import numpy as np
 
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 
-# Points x in a grid of cells: its lower corner, the size and the (dim,) counts of cells; in cell c are the points
+# Points x in a grid with a lower corner and (dim,) counts of cells of a size. Cell c contains
 # member[start[c]:start[c + 1]].
 _Cells = namedtuple("_Cells", "x lower size counts start member axes")
 
@@ -15,8 +15,8 @@ _Cells = namedtuple("_Cells", "x lower size counts start member axes")
 def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the neighbours of the first n_owned points among all points, as CSR: indptr, indices, int32.
 
-    A point is not its own neighbour. Owned neighbours come first, in the order of their numbers (_ordered). Raises
-    ValueError if the radius is not positive, or a position or a distance is not finite.
+    A point is not its own neighbour. Owned neighbours come first, in ascending order (`_ordered`). Raises ValueError if
+    the radius is not positive, or a position or distance is not finite.
 
     x : (n, dim) positions [m], dim 2 or 3; radius : points closer than this are neighbours [m]
     """
@@ -30,7 +30,7 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
 
 
 def _sorted(x, radius, other=0.0, rim=0):
-    """Return the _Cells of points x (n, dim) [m], as wide as the radius [m] or wider, with `rim` empty rows around.
+    """Return the _Cells of points x (n, dim) [m], at least as wide as the radius [m], with `rim` empty rows around.
 
     Raises ValueError if a point, or the sum `other` of further ones, is not finite.
     """
@@ -44,7 +44,7 @@ def _sorted(x, radius, other=0.0, rim=0):
 
 @kernel
 def _corners(lower, extent, x):
-    """Write the lower corner of the box around points and its sides; return whether all of them are finite."""
+    """Write the lower corner and the sides of the bounding box of points; return whether all are finite."""
     finite = True
     for a in range(x.shape[1]):
         least, most = x[0, a], x[0, a]
@@ -57,13 +57,13 @@ def _corners(lower, extent, x):
 
 
 def _grid(extent, radius, n):
-    """Choose the cells: at least as wide as the radius, and not many more than there are points."""
+    """Return the counts and size of cells that are at least as wide as the radius and not many more than the points."""
     size = radius
     while True:
         counts = [math.floor(side / size) + 1 for side in extent.tolist()]
         if math.prod(counts) <= 4 * n + 1024:
             return np.array(counts, np.int64), size
-        size *= 1.5  # keeps the grid small if one droplet is far away
+        size *= 1.5  # limits memory if one droplet is far away
 
 
 @subkernel
@@ -99,7 +99,7 @@ def _sort(x, lower, size, counts, axes) -> tuple[np.ndarray, np.ndarray]:
 def _enlarged(indices, n, size):
     """Return an array of `size` that begins with the first n indices."""
     larger = np.empty(size, np.int32)
-    for k in range(n):    # a copy of slices would make numba compile the text of an error, which takes a second
+    for k in range(n):    # numba takes a second longer to compile a copy of slices, for its error message
         larger[k] = indices[k]
     return larger
 
@@ -113,7 +113,7 @@ def _search(cells, n_owned, radius):
         blocks *= 3
     last = counts[dim - 1]
     r2 = radius * radius
-    place = x[member]  # sorted by cell, so that consecutive members are consecutive in memory
+    place = x[member]  # members of a cell are contiguous in memory
     indptr = np.zeros(n_owned + 1, np.int32)
     indices = np.empty(24 * n_owned + 256, np.int32)
     n = np.uint32(0)    # unsigned, so that numba adds no test for a negative index: a third less time
@@ -131,7 +131,7 @@ def _search(cells, n_owned, radius):
                 row = row * counts[a] + k
             if not inside:
                 continue
-            # cells along the last axis are contiguous, so their members are too
+            # members of cells along the last axis are contiguous
             first, stop = start[row * last + lo], start[row * last + hi + 1]
             if n + stop - first > len(indices):
                 indices = _enlarged(indices, n, 2 * len(indices) + stop - first)
@@ -140,7 +140,7 @@ def _search(cells, n_owned, radius):
                 d2 = dx * dx + dy * dy
                 if dim == 3:
                     d2 += (place[m, 2] - cz) ** 2
-                indices[n] = member[m]    # overwritten by the next one if it is no neighbour
+                indices[n] = member[m]    # the next one overwrites it if it is not a neighbour
                 n += np.uint32((d2 < r2) & (member[m] != i))
         indptr[i + 1] = n
     return indptr, indices[:n]
@@ -148,13 +148,11 @@ def _search(cells, n_owned, radius):
 
 @kernel
 def _ordered(indptr, indices):
-    """Return the lists with the owned neighbours of each point first, in the order of their numbers.
+    """Return the lists with the owned neighbours of each point first, in ascending order.
 
-    Each point goes to the lists of its own neighbours, in the order of the points: that takes less time than sorting,
-    and rows of matrices are then in order, too. It needs that two points see each other. Should a distance be rounded
-    to either side of the radius, by the direction from which it is seen, some list would get too many or too few: then
-    all are returned as they are. Only numbers are compared: two such pairs that make up for each other would exchange
-    neighbours whose weight is zero.
+    Each point is appended to the lists of its neighbours, in the order of the points. This is faster than sorting, and
+    it requires symmetric lists. If rounding makes a pair at the radius a neighbour in one direction only, the counts
+    differ and the lists are returned unchanged. Two such pairs that cancel exchange neighbours whose weight is zero.
     """
     n = len(indptr) - 1
     found, fill = np.empty_like(indices), indptr[:-1].copy()
@@ -183,7 +181,7 @@ def _ordered(indptr, indices):
 
 
 def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return for points x (n, dim) [m] which of the others (m, dim) [m] are within the radius [m], as CSR.
+    """Return, for points x (n, dim) [m], which of the others (m, dim) [m] are within the radius [m], as CSR.
 
     Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `neighbour_lists`.
     """
@@ -198,7 +196,7 @@ def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray
 
 @kernel
 def _beside(start, counts, axes):
-    """Return which cells have a point in themselves or in a cell beside them, (cells,) bool."""
+    """Return which cells have a point in them or in an adjacent cell, (cells,) bool."""
     found = np.zeros(len(start) - 1, np.bool_)
     for cell in range(len(found)):
         if start[cell] < start[cell + 1]:
@@ -209,7 +207,7 @@ def _beside(start, counts, axes):
 
 @inlined
 def _step(block, counts, axes):
-    """Return by how much the number of a cell differs from that of one of the 3^dim cells around it."""
+    """Return the offset of the number of one of the 3^dim adjacent cells."""
     step = 0
     for a in range(len(axes)):
         step = step * counts[a] + block % 3 - 1
@@ -249,11 +247,11 @@ def _search_nearby(x, cells, radius, beside):
 
 
 def nearest_points(x: np.ndarray, places: np.ndarray, spacing: float) -> np.ndarray:
-    """Return for each place (m, dim) [m] the number (m,) int64 of the nearest of the points x (n, dim) [m].
+    """Return for each place (m, dim) [m] the index (m,) int64 of the nearest of the points x (n, dim) [m].
 
-    Of points that are equally near, the first is taken. Raises ValueError if there is no point, or one is not finite.
+    The first of equally near points is taken. Raises ValueError if there are no points, or one is not finite.
 
-    spacing : [m] about the distance between neighbouring points
+    spacing : typical distance between neighbouring points [m]
     """
     x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
     if len(x) == 0:
@@ -280,7 +278,7 @@ def _search_nearest(found, places, cells):
 
 @inlined
 def _nearest_in_ring(found, best, i, home, ring, places, cells):
-    """Look at the points in the cells that are `ring` cells away from a place's home; return the least distance^2."""
+    """Search the cells that are `ring` cells away from the place's home cell; return the least distance^2."""
     x, counts, start, member = cells.x, cells.counts, cells.start, cells.member
     dim, side = len(cells.axes), 2 * ring + 1
     for block in range(side**dim):

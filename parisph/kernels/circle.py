@@ -1,4 +1,4 @@
-"""Moving least squares at the points of a circle or a sphere about a particle."""
+"""Moving least squares at the points of a circle or sphere around a particle."""
 
 from typing import NamedTuple
 
@@ -9,9 +9,9 @@ from parisph.kernels.smoothing import quartic_weight
 
 
 class Circle(NamedTuple):
-    """A circle, or a sphere, on which a field is interpolated by moving least squares.
+    """A circle or sphere on which a field is interpolated by moving least squares.
 
-    unit : (K, dim), its points, as unit vectors (rankine.directions); size : its radius R [m]
+    unit : (K, dim), its points as unit vectors (rankine.directions); size : its radius R [m]
     radius : of the weight of the moving least squares [m]
     """
 
@@ -22,7 +22,7 @@ class Circle(NamedTuple):
 
 @inlined
 def fill_basis(basis: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
-    """Add the polynomials of degree 2 to those of degree 1: the harmonic ones, then r^2."""
+    """Append the polynomials of degree 2 to those of degree 1: the harmonic ones, then r^2."""
     if len(axes) == 2:
         for k in range(m):
             x, y = basis[0, k], basis[1, k]
@@ -37,12 +37,10 @@ def fill_basis(basis: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
 
 @inlined
 def weigh(moments: np.ndarray, w: np.ndarray, basis: np.ndarray, at: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
-    """Compute the weights of the neighbours about each point of the circle, and sum their moments.
+    """Write the weights of the neighbours at each point of the circle, and sum their moments.
 
-    The particle in the centre counts as well: it needs no column, because all its moments but the first are 0.
-
-    Second moments follow from those of the harmonic polynomials and of r^2. The sums are named
-    scalars, which stay in registers; sums in an array would not.
+    The particle in the centre counts without a column, because all its moments except the first are 0. Second moments
+    follow from those of the harmonic polynomials and of r^2. The sums are scalars, which stay in registers.
     """
     dim = len(axes)
     for q in range(len(w)):
@@ -78,7 +76,7 @@ def weigh(moments: np.ndarray, w: np.ndarray, basis: np.ndarray, at: np.ndarray,
 @inlined
 def sum_over_points(mean: np.ndarray, fit: np.ndarray, w: np.ndarray, basis: np.ndarray, unit: np.ndarray, m: int,
                     axes: tuple[int, ...]) -> None:
-    """Sum the shape functions over the circle: alone, and multiplied by each component of the normal."""
+    """Sum the shape functions over the circle, unweighted and multiplied by each component of the normal."""
     dim = len(axes)
     for r in range(dim + 1):
         for k in range(m):

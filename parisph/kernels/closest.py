@@ -9,7 +9,7 @@ from parisph.kernels.records import Cloud
 
 @kernel
 def least_distance(cloud: Cloud) -> float:
-    """Return the least distance [m] of an owned fluid particle from another one in its list, infinite without one."""
+    """Return the least distance [m] of an owned fluid particle to another in its list, or infinity."""
     x, kind, indptr, indices = cloud.x, cloud.kind, cloud.indptr, cloud.indices
     least = math.inf
     for i in range(len(indptr) - 1):

@@ -6,14 +6,14 @@ from parisph.base.fields import FLUID
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud
 
-ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it by less is linear
+ROUNDING = 1e-9    # smallest deviation from the approach by a linear velocity, relative to it
 
 
 @kernel
 def count_collisions(number: np.ndarray, cloud: Cloud, u: np.ndarray, distance: float) -> None:
-    """Number of fluid neighbours closer than the distance that each owned particle approaches: (n_owned,).
+    """Write the number of approaching fluid neighbours within the distance of each owned particle: (n_owned,).
 
-    These are at least as many as it collides with (pair_collisions).
+    It is at least the number of its collisions (`pair_collisions`).
     """
     x, kind, indptr, indices, axes = cloud.x, cloud.kind, cloud.indptr, cloud.indices, cloud.axes
     for i in range(len(indptr) - 1):
@@ -33,18 +33,17 @@ def count_collisions(number: np.ndarray, cloud: Cloud, u: np.ndarray, distance: 
 @kernel
 def pair_collisions(change: np.ndarray, cloud: Cloud, number: np.ndarray, u: np.ndarray, g: np.ndarray, distance: float,
                     restitution: float) -> int:
-    """Velocity change by collisions of fluid pairs that are closer than the distance and approach.
+    """Write the velocity change by collisions of approaching fluid pairs closer than the distance; return their number.
 
-    What counts is the approach beyond that of a linear velocity, d . (u_i - u_j) + d . (g_i + g_j) d/2
-    with d = x_j - x_i, or all of it if that is less: smooth strain never collides. Each impulse is
-    divided by the larger `number` of the two. Momentum is then conserved (with masses in
-    proportion to the volumes), and energy does not rise as long as no mass is more than 1/(1 +
-    restitution) of the two. Impulses are computed from the velocities before the collisions: the
-    result depends neither on the order of the pairs nor on the rank that owns a particle.
+    The approach is the smaller of d . (u_i - u_j) and its excess over a linear velocity, d . (u_i - u_j) + d . (g_i +
+    g_j) d/2, with d = x_j - x_i. Smooth strain thus causes no collisions. Each impulse is divided by the larger
+    `number` of the pair. Momentum is conserved for masses in proportion to the volumes. Energy does not rise if no mass
+    exceeds 1/(1 + restitution) of the pair. All impulses use the velocities before the collisions, so that the result
+    is independent of the order of pairs and of ranks.
 
     change : (n_owned, dim) output [m/s]; number : (n_all,) of count_collisions
     g : (n_all, dim, dim), velocity gradient [1/s]; the volumes of fluid must be > 0
-    Returns the number of colliding pairs (each counted once per particle).
+    Returns the number of colliding pairs, counted once per particle.
     """
     x, kind, volume, indptr, indices = cloud.x, cloud.kind, cloud.volume, cloud.indptr, cloud.indices
     axes, dim, pairs = cloud.axes, len(cloud.axes), 0
@@ -68,7 +67,7 @@ def pair_collisions(change: np.ndarray, cloud: Cloud, number: np.ndarray, u: np.
 
 @subkernel
 def _approach(i, j, x, u, g, axes):
-    """Return r^2, and d . (u_i - u_j) or that beyond a linear velocity, whichever is less."""
+    """Return r^2 and the smaller of d . (u_i - u_j) and its excess over a linear velocity."""
     r2, full, smooth = 0.0, 0.0, 0.0
     for a in range(len(axes)):
         d = x[j, a] - x[i, a]

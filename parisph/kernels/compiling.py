@@ -1,4 +1,4 @@
-"""What happens when numba compiles: no search for garbage, and a count for those who wait."""
+"""Hooks into numba's compilation: pause the garbage collector, count kernels, announce a wait."""
 
 import gc
 from collections.abc import Callable
@@ -8,13 +8,12 @@ from parisph.kernels.processor import numba
 
 
 class Compilation(numba.core.event.Listener):
-    """Stops Python's garbage collection while numba compiles: it takes a sixth of that time and finds little.
+    """Pauses Python's garbage collector while numba compiles, where it takes a sixth of the time and frees little.
 
     Attributes
     ----------
-    count, seconds : kernels that were compiled in this process, and how long that took; what a kernel calls is part
-        of it
-    before : called when the next one is about to be compiled, once
+    count, seconds : kernels compiled in this process, including the functions they call, and the time taken
+    before : called once, before the next compilation
     """
 
     def __init__(self) -> None:
@@ -23,7 +22,7 @@ class Compilation(numba.core.event.Listener):
         self._depth, self._was, self._began = 0, False, 0.0
 
     def on_start(self, event: numba.core.event.Event) -> None:
-        """Begin, perhaps within another one."""
+        """Start a compilation, perhaps nested in another."""
         if self._depth == 0:
             self._was, self._began = gc.isenabled(), perf_counter()
             gc.disable()
@@ -33,7 +32,7 @@ class Compilation(numba.core.event.Listener):
         self._depth += 1
 
     def on_end(self, event: numba.core.event.Event) -> None:
-        """End what on_start has begun."""
+        """Finish a compilation."""
         self._depth -= 1
         if self._depth == 0:
             self.count += 1

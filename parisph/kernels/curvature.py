@@ -1,8 +1,8 @@
-"""What is known of how the pressure bends, in rows at walls and in its gradient.
+"""Known second differences of the pressure, in wall rows and in the pressure gradient.
 
-Beside a boundary a stencil is one-sided, and what the pressure bends there is an error of first order in its slope. The
-divergence of that error leaves a part of the divergence in each step, and the level drifts. Of the second differences
-of p around a particle, the body force B per unit mass gives one part, and what else p has for a Laplacian the other:
+Beside a boundary a stencil is one-sided, and the curvature of p is an error of first order in its slope. Its divergence
+leaves a residual in each step, and the mean level drifts. The body force B per unit mass and the Laplacian of p
+determine a part of the second differences of p around a particle:
 
     p_J - p_I = (linear and harmonic terms) + rho/2 (B_J - B_I) . r + L r^2/(2 dim),   r = x_J - x_I.
 
@@ -25,7 +25,7 @@ from parisph.kernels.smoothing import quartic_weight
 
 
 class Bending(NamedTuple):
-    """What is known of how the pressure bends.
+    """The known part of the second differences of the pressure.
 
     laplacian : (n_all,), L [Pa/m^2]; pull : (n_all, dim), rho B [Pa/m], or (0, dim) if it is uniform
     """
@@ -36,10 +36,10 @@ class Bending(NamedTuple):
 
 @kernel
 def continue_laplacian(laplacian: np.ndarray, cloud: Cloud, radius: float) -> None:
-    """Write the weighted mean of inner neighbours to owned surface particles and wet walls, 0 where there are none.
+    """Write the weighted mean over inner neighbours, 0 without them, at owned surface particles and wet walls.
 
-    A mean is of first order, and enough: it is multiplied by r^2. A fit of velocities beside the wall is not better: in
-    the dam break (H/s = 40, three starts) the pressure of the impact errs by .07 to .12 with it, else by .04 to .05.
+    A mean of first order is enough, because it is multiplied by r^2. With a fit of velocities beside the wall instead,
+    the impact pressure of the dam break (H/s = 40, three starts) errs by .07 to .12, with the mean by .04 to .05.
 
     laplacian : (n_all,) [Pa/m^2]; radius : of the weight [m]
     """
@@ -59,9 +59,9 @@ def continue_laplacian(laplacian: np.ndarray, cloud: Cloud, radius: float) -> No
 
 @kernel
 def add_at_walls(right: np.ndarray, rows: Rows, cloud: Cloud, bending: Bending) -> None:
-    """Add what wall rows find of the known part of the pressure to the right-hand side (n_owned,) [Pa].
+    """Subtract the wall rows' result for the known part of the pressure from the right-hand side (n_owned,) [Pa].
 
-    Harmonic rows are then exact for every quadratic pressure, and all rows for that of water at rest in a linear force.
+    Harmonic rows then become exact for quadratic pressure, and all rows for water at rest in a linear force.
     """
     for i in range(len(cloud.indptr) - 1):
         if cloud.role[i] != WET:
@@ -72,10 +72,10 @@ def add_at_walls(right: np.ndarray, rows: Rows, cloud: Cloud, bending: Bending) 
 
 @kernel
 def add_at_surface(right: np.ndarray, rows: Rows, cloud: Cloud, bending: Bending) -> None:
-    """Add what rows of the surface find of the known part of the pressure to the right-hand side (n_owned,) [Pa].
+    """Subtract the surface rows' result for the known part of the pressure from the right-hand side (n_owned,) [Pa].
 
     With the values S w_J, S = a/(a + d) (`surface_rows`), and the known part q: p_I = S mean(p_J - q_J) - (1 - S) q(a),
-    since p = 0 at the distance a outwards. q(a) is by L and by the mean pull of the neighbours.
+    since p = 0 at the distance a outwards. q(a) follows from L and the mean pull of the neighbours.
     """
     count, columns, values, _ = rows
     x, indptr, dim, pull = cloud.x, cloud.indptr, len(cloud.axes), bending.pull
@@ -106,16 +106,16 @@ def add_at_surface(right: np.ndarray, rows: Rows, cloud: Cloud, bending: Bending
 @kernel
 def gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, bending: Bending, where: int, form: Form, most: float,
              kept: float) -> None:
-    """Replace the gradient of the pressure by that of a fit by harmonic polynomials to what is not known of it.
+    """Replace the pressure gradient by that of a harmonic fit to the unknown part of the pressure.
 
-    Exact for every quadratic pressure. Where neighbours do not span the basis, or the terms of degree 2 raise the
-    variance of the slope too much, the value is that of a linear fit, and what this finds of the known part is taken
-    from it: all of that, or nothing, since its parts depend on the frame, and their sum does not.
+    Exact for quadratic pressure. Where neighbours do not span the basis, or terms of degree 2 raise the variance of the
+    slope too much, the gradient of the linear fit stays, less its result for the known part. The whole known part
+    counts, because only its sum is independent of the frame.
 
     out : (n_owned, dim) [Pa/m] of another fit; p : (n_all,) [Pa]; where : the role of the particles
-    form : of the linear fit; below its floor a linear gradient is damped (`operators.LeastSquares`), and stays
-    most : by how much terms of degree 2 may raise the variance (harmonic.coefficients)
-    kept : up to where `out` has those terms and stays; not above `most` if it has them nowhere
+    form : of the linear fit; gradients damped below its floor (`operators.LeastSquares`) stay
+    most : largest ratio of variances with and without terms of degree 2 (harmonic.coefficients)
+    kept : ratio up to which `out` has these terms and stays; at most `most` if it never has them
     """
     indptr, axes, radius = cloud.indptr, cloud.axes, form.radius
     dim, size, room = len(axes), basis_size(axes), room_for(indptr)
@@ -155,7 +155,7 @@ def gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, bending: Bending, whe
 
 @inlined
 def _moments(matrix, m, basis, w, n, columns, axes):
-    """Write the moments of the harmonic fit, and of a linear one; return how many of n neighbours have a weight."""
+    """Write the moments of the harmonic and of the linear fit; return how many of n neighbours have a weight."""
     found = 0
     for k in range(n):
         found += w[0, k] > 0.0

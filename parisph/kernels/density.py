@@ -1,16 +1,16 @@
-"""Density ratio beside walls: the kernel's integral over the solid, as the particle sees it.
+"""Density ratio beside walls, completed by the kernel's integral over the visible solid.
 
     alpha_i full = sum_fluid W + [ sum_nodes (A s share W + s a.(x_i - x_k) b(r)) + sum_elements Omega F(r) ] / s^dim
 
-F(r) is the integral of W q^(dim-1) from r to 2h, Omega the angle of an element, whose sum of F is the solid behind
-it. A wall node is a particle of which `share` is inside the fluid, and a its area vector. b(r) is the end correction
-of the trapezoidal rule, s/12 |W'|/r to leading order (Euler and Maclaurin): with it the sum over a lattice that ends
-at a wall becomes the integral up to the wall. Its higher orders are a polynomial of r, fitted once such that alpha =
-1, without a gradient, for every particle of a lattice in front of a flat wall.
+F(r) is the integral of W q^(dim-1) from r to 2h, and Omega the angle of an element: the sum of Omega F is the integral
+over the solid behind it. `share` is the part of a wall node's cell inside the fluid, and a its area vector. The end
+correction b(r) of the trapezoidal rule, s/12 |W'|/r to leading order (Euler and Maclaurin), turns the sum over a
+lattice that ends at a wall into the integral up to it. Its higher orders are a polynomial of r, fitted so that alpha =
+1 without a gradient for each particle of a lattice before a flat wall.
 
-The gradient sums that of the kernel over the same solid: sum_elements Omega e G(r), with the direction e to the
-element and G the integral of |W'| q^(dim-1) from r to 2h. It also counts the edge of what an element hides, unlike an
-integral over the wall.
+The gradient sums that of the kernel over the same solid: sum_elements Omega e G(r), with the direction e to the element
+and the integral G of |W'| q^(dim-1) from r to 2h. Unlike an integral over the wall, it includes the edge of what an
+element hides.
 """
 
 import math
@@ -26,16 +26,16 @@ from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import element_normal
 from parisph.kernels.surface import lattice_sum
 
-ENTRIES = 1024    # of the tables
+ENTRIES = 1024    # table length
 ORDER = 5         # of the polynomial of the end correction
 GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with the weights 8/9 and 5/9
 
 
 class Table(NamedTuple):
-    """What completion needs to know of a kernel.
+    """Tabulated integrals of a kernel.
 
-    values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps:
-        F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r) [1/m]
+    values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps: F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r)
+        [1/m]
     h : [m]; full : the kernel's sum over the lattice [m^-dim]
     """
 
@@ -86,8 +86,8 @@ def _integral_to_end(f, r):
 def _end_correction(spacing, h, dim):
     """Return the polynomial of q = r/h that multiplies the end correction, highest power first.
 
-    At a distance d from a wall with a lattice of fluid before it, nodes and solid must give what the rest of the
-    lattice would: with its gradient exactly for d = s, 2s, ..., and as well as possible elsewhere.
+    At a distance d from a wall of a lattice of fluid, nodes and solid must replace the missing half of the lattice,
+    including the gradient: exactly at d = s, 2s, ..., and by least squares elsewhere.
     """
     k = np.arange(-6, 7)
     side = k[:, None] if dim == 2 else np.stack(np.meshgrid(k, k), axis=-1).reshape(-1, 2)
@@ -96,7 +96,7 @@ def _end_correction(spacing, h, dim):
     near = np.linspace(0.3 * spacing, 2.0 * h, 60)
     d = np.concatenate([spacing * rows, near])
 
-    def lattice(z):    # sum and slope of the kernel over a row of the lattice at a distance
+    def lattice(z):    # kernel sum and its slope over a row of the lattice at a distance
         w, slope = _kernel(np.sqrt(flat2 + z[:, None] ** 2), h, dim)
         return w.sum(axis=1), z * slope.sum(axis=1)
 
@@ -122,7 +122,7 @@ def _powers(d, flat2, spacing, h, dim):
 
 
 def _constrained(must, value, may, wish):
-    """Return the c for which must c = value, and may c is as near to the wish as possible (least squares)."""
+    """Return the c that satisfies must c = value and minimises |may c - wish|."""
     u, sizes, vt = np.linalg.svd(must)
     rank = int(np.sum(sizes > 1e-10 * sizes[0]))
     start = vt[:rank].T @ ((u[:, :rank].T @ value) / sizes[:rank])
@@ -131,7 +131,7 @@ def _constrained(must, value, may, wish):
 
 
 def _half_space(d, h, dim):
-    """Return the integral of the kernel over all that is farther than d (n,) in one direction."""
+    """Return the integral of the kernel over the half space beyond the distances d (n,)."""
     fine = np.linspace(0.0, 2.0 * h, 2001)
     return np.interp(d, fine, _integral_to_end(_plane(fine, h, dim), fine))
 
@@ -154,12 +154,11 @@ def _entry(table, column, r):
 @kernel
 def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
                       area: np.ndarray, table: Table) -> None:
-    """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
+    """Write the kernel sum at owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
-    ratio : (n_owned,), walls get 1; gradient : (n_owned, dim) [1/m], walls get 0; outputs
-    weight : (n_all,) of fluid, the cell that it starts in over s^dim; of nodes, the part of a cell s^dim that is inside
-        the fluid; 0 for those that do not count
-    area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
+    ratio : (n_owned,), 1 at walls; gradient : (n_owned, dim) [1/m], 0 at walls; outputs
+    weight : (n_all,), of fluid its initial cell over s^dim; of nodes the part of a cell inside the fluid; else 0
+    area : (n_all, dim) area vector of nodes over s^(dim-1), else 0
     """
     x, indptr, indices, axes = cloud.x, cloud.indptr, cloud.indices, cloud.axes
     dim, h = len(axes), table.h
@@ -201,8 +200,10 @@ def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, wal
 
 @inlined
 def _nodes(mean, i, near, cloud, area, table):
-    """Return the end correction of the nodes around particle i, which are `near` (dim, neighbours) [m], and add its
-    gradient to the mean."""
+    """Return the end correction by the nodes around particle i, and add its gradient to `mean`.
+
+    near : (dim, neighbours) [m]
+    """
     total = 0.0
     for k in range(cloud.indptr[i + 1] - cloud.indptr[i]):
         j = cloud.indices[cloud.indptr[i] + k]
@@ -221,9 +222,9 @@ def _nodes(mean, i, near, cloud, area, table):
 
 @inlined
 def _solid_behind(pull, i, e, cloud, walls, table):
-    """Return the integral of the kernel over the solid behind an element, as seen from particle i; 0 from behind.
+    """Return the integral of the kernel over the solid behind an element, seen from particle i; 0 behind the element.
 
-    pull : (dim,) output, the integral of the kernel's gradient with respect to the particle's place
+    pull : (dim,) output, the integral of the kernel's gradient with respect to the particle's position
     """
     for a in range(len(cloud.axes)):
         pull[a] = 0.0
@@ -244,7 +245,7 @@ def _behind_segment(pull, i, x, e, corners, table):
         return 0.0
     angle = math.atan2(cross, ax * bx + ay * by)
     la, lb = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
-    mx, my = ax / la + bx / lb, ay / la + by / lb    # towards the middle of the angle
+    mx, my = ax / la + bx / lb, ay / la + by / lb    # bisector of the angle
     size = math.sqrt(mx * mx + my * my)
     mx, my = mx / size, my / size
     cosine, sine = math.cos(0.5 * angle * GAUSS), math.sin(0.5 * angle * GAUSS)
@@ -274,7 +275,7 @@ def _behind_triangle(pull, i, x, e, corners, table):
     if not 1e-9 * table.h < height < 2.0 * table.h:
         return 0.0
     mean, weights = 0.0, 0.0
-    for c in range(3):    # three points inside, weighted with the solid angle around them
+    for c in range(3):    # three inner points, weighted by solid angle
         r2 = 0.0
         for a in range(3):
             r2 += (_inside(e, c, a, corners) - x[i, a]) ** 2
@@ -292,7 +293,7 @@ def _behind_triangle(pull, i, x, e, corners, table):
 
 @inlined
 def _inside(e, c, a, corners):
-    """Return coordinate a of point c inside a triangle: half way from its middle to corner c."""
+    """Return coordinate a of the point half way from a triangle's centroid to corner c."""
     return 0.5 * corners[e, c, a] + (corners[e, 0, a] + corners[e, 1, a] + corners[e, 2, a]) / 6.0
 
 
@@ -313,13 +314,13 @@ def _solid_angle(i, x, e, corners):
 @kernel
 def node_sums(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
               area: np.ndarray, share: np.ndarray, table: Table) -> None:
-    """What half cells at nodes for which no fluid stands add to `completed_density` of owned fluid.
+    """Write the contribution to `completed_density` of half cells at nodes that no fluid represents.
 
-    Where fluid has come to a wall, its first particles are half a spacing from it, and no node stands between: then
-    the sum is that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one.
+    Where fluid has come to a wall, its first particles are half a spacing from it, and no node lies between. The sum is
+    then that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one.
 
-    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as there
-    share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
+    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as in `completed_density`
+    share : (n_all,), the part of its half cell that fluid represents (halves.wall_share)
     """
     axes = cloud.axes
     dim, away = len(axes), np.empty(len(axes))

@@ -7,8 +7,7 @@ from parisph.kernels.jit import kernel
 
 @kernel
 def energy_sums(volume: np.ndarray, x: np.ndarray, u: np.ndarray, gravity: np.ndarray, datum: np.ndarray) -> np.ndarray:
-    """Return the sums of kinetic and of potential energy of particles over their density [m^(dim+2)/s^2], and of their
-    volumes [m^dim]: (3,).
+    """Return the sums of kinetic and potential energy over density [m^(dim+2)/s^2] and of volume [m^dim]: (3,).
 
     The potential is zero at the datum. volume : (n,) [m^dim]; x, u : (n, dim) [m], [m/s]; gravity, datum : (dim,)
     """

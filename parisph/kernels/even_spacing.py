@@ -1,4 +1,4 @@
-"""Moves that keep the distances of neighbours even."""
+"""Displacements that keep the distances of neighbours even."""
 
 import math
 
@@ -8,26 +8,26 @@ from parisph.base.fields import FLUID, SURFACE
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
-# Radius of the neighbours that push, in spacings: those of the next layers, but not of the ones behind them, so that
-# nothing is missing around the particles of the second layer.
+# The reach includes the next layer but not the one behind it, so that the second layer has all its neighbours.
 REACH = 1.9    # tuned 1 to 2.6: radius of the neighbours that push, in spacings; judged
-# The push of all neighbours over the displacement of a lone particle, in spacings: 1.60 of a line, 1.67 of the square
-# lattice. Of the cubic one 1.96, so that a move there is 1.19 times as long.
+# Total push over the displacement of a single particle, in spacings: 1.60 on a line, 1.67 on the square lattice, and
+# 1.96 on the cubic one, where moves are thus 1.19 times as long.
 STIFFNESS = 1.65
-CLOSEST = 1e-3    # distance in spacings below which a push falls to 0: pairs in one place have no direction
-TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
+CLOSEST = 1e-3    # distance in spacings below which a push falls to 0, as coincident pairs have no direction
+TINY = float(np.finfo(float).tiny)  # avoids 0/0
 
 
 @kernel
 def even_out(move: np.ndarray, cloud: Cloud, across: np.ndarray, known: np.ndarray, strength: np.ndarray) -> None:
     """Write the moves of owned fluid away from neighbours that are too close (n_owned, dim) [m].
 
-    Each neighbour within the reach pushes with (1 - q^2)^2, q = r/(1.9 s), wall particles across their wall only. On a
-    lattice that is strained, the pushes from both sides are equal. Particles of the surface are pushed along it, by
-    those of the surface and by walls where it meets them: wall particles that lie above each other count as one there.
+    Each neighbour within the reach pushes with (1 - q^2)^2, q = r/(1.9 s); wall particles push along their normal only.
+    On a uniformly strained lattice, the pushes from both sides cancel. Surface particles are pushed along the surface,
+    by other surface particles and by walls: there, wall particles above each other count as one.
 
-    across : (n_owned, dim), any length, the direction across the surface; known : (n_all,) bool, walls with one normal
-    strength : (n_owned,), part of a displacement of one particle on the lattice that is undone
+    across : (n_owned, dim), the direction across the surface, of any length; known : (n_all,) bool, walls with one
+        normal
+    strength : (n_owned,), the part of a single particle's displacement on the lattice that is undone
     """
     x, role, indptr, dim, spacing = cloud.x, cloud.role, cloud.indptr, len(cloud.axes), cloud.spacing
     push, reach2 = np.empty(dim), (REACH * spacing) ** 2
@@ -63,7 +63,7 @@ def even_out(move: np.ndarray, cloud: Cloud, across: np.ndarray, known: np.ndarr
 
 @inlined
 def _add_push_of_wall(push, i, j, r2, cloud, across, size):
-    """Add the push of wall particle j at the square of a distance r2; size : of across^2 on the surface, else 0."""
+    """Add the push of wall particle j at the squared distance r2. size : across^2 on the surface, else 0"""
     share, away, above = 1.0, 0.0, 0.0
     for a in range(len(cloud.axes)):
         away += cloud.normal[j, a] * (cloud.x[i, a] - cloud.x[j, a])
@@ -79,6 +79,6 @@ def _add_push_of_wall(push, i, j, r2, cloud, across, size):
 
 @subkernel
 def _push(r2, spacing):
-    """Return the push over the distance r [1/m], by its square."""
+    """Return the push over the distance r [1/m]."""
     q2 = min(r2 / (REACH * spacing) ** 2, 1.0)
     return (1.0 - q2) ** 2 / max(math.sqrt(r2), CLOSEST * spacing)

@@ -14,13 +14,13 @@ from parisph.kernels.schwaiger import FLAT
 
 @kernel
 def fatehi_rows(rows: Rows, cloud: Cloud, h: float) -> None:
-    """Fill the rows of inner particles with the Laplacian that is exact for quadratics on any particles.
+    """Fill the rows of inner particles with a Laplacian that is exact for quadratics on any particles.
 
-    With e = r_ij/r, r_ij = r_i - r_j, and the first-order corrected gradient of Zheng, Ma & Duan (2014), Eq. 20d,
-    lap p_i = B : sum_j 2 V e (grad_i W_ij)^T [(p_i - p_j)/r - e . grad p_i]. The symmetric tensor B makes the result
-    that of any quadratic p: B : A = 1 with A = sum_j w e e^T (xi xi^T - xi . T) in the notation of `schwaiger`, and
-    T = sum_j w M^-1 xi xi xi^T the gradient's own result for a quadratic. The system has 3 unknowns in 2D, 6 in 3D.
-    Values may be negative. A row whose neighbours do not determine B is given up.
+    With e = r_ij/r, r_ij = r_i - r_j, and the corrected gradient of Zheng, Ma & Duan (2014), Eq. 20d, lap p_i = B :
+    sum_j 2 V e (grad_i W_ij)^T [(p_i - p_j)/r - e . grad p_i]. The symmetric tensor B makes the result exact for
+    quadratic p: B : A = 1 with A = sum_j w e e^T (xi xi^T - xi . T) in the notation of `schwaiger`, where T = sum_j w
+    M^-1 xi xi xi^T is the gradient of a quadratic. The system has 3 unknowns in 2D, 6 in 3D. Values may be negative. A
+    row is dropped if its neighbours do not determine B.
 
     h : smoothing length of the cubic spline, support 2h [m]; volumes cancel
     """
@@ -56,7 +56,7 @@ def fatehi_rows(rows: Rows, cloud: Cloud, h: float) -> None:
 
 @inlined
 def _products(products, near, weighted, m, axes):
-    """Write xi_a xi_b, and w e_a e_b, of each neighbour in the order 00, 10, 11, 20, 21, 22."""
+    """Write xi_a xi_b and w e_a e_b of each neighbour in the order 00, 10, 11, 20, 21, 22."""
     square, along = products
     p = 0
     for a in range(len(axes)):
@@ -68,7 +68,7 @@ def _products(products, near, weighted, m, axes):
         r2 = 0.0
         for a in range(len(axes)):
             r2 += near[a, k] ** 2
-        share = weighted[0, k] / r2 if r2 > 0.0 else 0.0  # a neighbour in the same place has no direction
+        share = weighted[0, k] / r2 if r2 > 0.0 else 0.0  # a coincident neighbour has no direction
         for p in range(len(square)):
             along[p, k] = share * square[p, k]
 
@@ -87,10 +87,7 @@ def _third_moments(third, inverse, square, weighted, m, axes):
 
 @inlined
 def _tensor(tensor, matrix, lean, third, products, near, m, axes):
-    """Solve for B, its entries off the diagonal twice; False if degenerate.
-
-    lean : (pairs, dim) sum_j w (e e)_p xi_a, written
-    """
+    """Solve for B, with entries off the diagonal doubled, and write lean = sum_j w (e e)_p xi_a; False if singular."""
     square, along = products
     pairs = len(square)
     for p in range(pairs):

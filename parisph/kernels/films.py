@@ -1,4 +1,4 @@
-"""Films: fluid one particle deep on a wall, in which nothing else ties the depth to the velocity."""
+"""Films: fluid one particle deep on a wall, whose depth the pressure equation does not couple to the velocity."""
 
 import numpy as np
 
@@ -10,26 +10,26 @@ from parisph.kernels.near import height, room_for
 from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import quartic_weight
 
-# with the force f into the wall; with .5, P2 of dam breaks scatters more
-CALM = 0.1    # tuned 0.05 to 0.2: speed along the wall over sqrt(f s) from which on films flow unchanged; judged
-FLAT = 0.5    # tuned 0.25 to 1: part of the trace across the wall from which on neighbours are no layer; judged
+# f is the force into the wall. With .5, P2 of dam breaks scatters more.
+CALM = 0.1    # tuned 0.05 to 0.2: speed along the wall over sqrt(f s) above which films stay unchanged; judged
+FLAT = 0.5    # tuned 0.25 to 1: part of the trace across the wall above which neighbours are not a layer; judged
 
 
 @kernel
 def settle(change: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, radius: float, floor: float,
            dt: float) -> None:
-    """Write the change of velocity that makes the depth h of a film obey continuity, dh/dt = -h div u along the wall.
+    """Write the velocity change that makes the depth h of a film obey continuity, dh/dt = -h div u along the wall.
 
-    All particles of a film are surface: no equation knows how much fluid is between them. On an inclined wall, still
-    water would start to move by itself, at the rate sqrt(g k sin(a)/2) of a wave of number k on a slope of angle a:
-    a particle that moves up would lift the surface, and two that approach each other would not. The velocity across
-    the wall is therefore that of the film as a whole, as far as the force that holds the film on the wall can change
-    it in a step. Nothing changes in films that flow, nor where the fluid around a particle is not all in one layer.
+    All particles of a film are surface particles, so no equation knows how much fluid lies between them. On an inclined
+    wall, still water would start to move at the rate sqrt(g k sin(a)/2), with the wave number k and the slope angle a:
+    a particle that moves up would raise the surface, but two that approach each other would not. The normal velocity
+    therefore becomes that of the whole film, limited to what the force that holds the film on the wall can change in a
+    step. Films that flow, and fluid that is not a single layer, stay unchanged.
 
     change : (n_owned, dim) output [m/s]
-    u : (n_all, dim) [m/s], of walls only what is across counts; force : (n_all, dim) per unit mass [m/s^2]
+    u : (n_all, dim) [m/s], of walls only the normal part counts; force : (n_all, dim) per unit mass [m/s^2]
     radius : of the least squares [m]; dt : of the step [s]
-    floor : of det/(trace/dim)^dim of the moment of a particle's neighbours, above which they are not one layer
+    floor : value of det/(trace/dim)^dim of the neighbours' moment above which they are not one layer
     """
     normal, dim, room = cloud.normal, len(cloud.axes), room_for(cloud.indptr)
     member, m, inverse = np.empty(room, np.int64), np.empty((dim, dim)), np.empty((dim, dim))
@@ -63,7 +63,7 @@ def settle(change: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, r
 
 @inlined
 def _wall_below(i, cloud, force):
-    """Return the nearest wall particle on which the force holds particle i, -1 if there is none in the first layer."""
+    """Return the nearest wall particle onto which the force presses particle i, -1 if i is not in the first layer."""
     x, normal, axes = cloud.x, cloud.normal, cloud.axes
     nearest, found = np.inf, -1
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
@@ -97,7 +97,7 @@ def _layer(member, i, cloud, radius):
 def _moment(m, inverse, member, n, i, wall, cloud, radius):
     """Write the inverse of the neighbours' moment along the wall; return det/(trace/dim)^dim of the whole moment.
 
-    Without neighbours, or with all of them above particle i, the fluid is no layer: 1.
+    It is 1 if the fluid is not a layer: without neighbours, or with all of them above particle i.
     """
     x, normal, axes, dim, trace = cloud.x, cloud.normal, cloud.axes, len(cloud.axes), 0.0
     m[:, :] = 0.0

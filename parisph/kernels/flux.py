@@ -1,7 +1,6 @@
-"""Divergence stencils of the velocity, without a pressure row.
+"""Divergence stencils of the velocity without a pressure row.
 
-Both kernels write stencils in the form that `rankine.divergence` and `gradient_invariants` read:
-div u_I = sum_J flux_J . (u_J - u_I).
+They have the form that `rankine.divergence` and `gradient_invariants` read: div u_I = sum_J flux_J . (u_J - u_I).
 """
 
 import numpy as np
@@ -19,12 +18,12 @@ from parisph.kernels.records import Cloud, Flux
 
 @kernel
 def flux_rows(flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle) -> None:
-    """Fill the flux stencils of inner particles, and the flux divergence of u: those of `rankine.rankine_rows`.
+    """Fill the flux stencils of inner particles, as in `rankine.rankine_rows`, and the flux divergence of u.
 
-    The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan
-    2014, Eq. 23): div u_I = (dim/R) mean u . n. Exact for linear u on any particles. A stencil is zero where the
-    neighbours of a point do not span the plane (3D: space), or where the values on the circle are extrapolated
-    from neighbours on one side. It holds the neighbours within R + radius, however far the lists reach.
+    The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan 2014,
+    Eq. 23), gives div u_I = (dim/R) mean u . n. It is exact for linear u on any particles. A stencil is zero where the
+    neighbours of a point do not span the plane (3D: space), or where they lie on one side of the circle. It holds the
+    neighbours within R + radius, even if the lists reach farther.
 
     u : (n_all, dim) [m/s]
     """
@@ -49,7 +48,7 @@ def flux_rows(flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle) -> None:
 
 @inlined
 def _surrounded(mean, basis, m, circle, points):
-    """Return whether the mean over the circle would make a pressure row, by the limits of `rankine`."""
+    """Return whether the mean over the circle is sound as a pressure row, by the limits of `rankine`."""
     total, spread, lowest = 0.0, 0.0, 0.0
     for k in range(m):
         total += mean[0, k]
@@ -62,9 +61,9 @@ def _surrounded(mean, basis, m, circle, points):
 def least_squares_flux(flux: Flux, cloud: Cloud, u: np.ndarray, form: Form) -> None:
     """Fill the divergence stencils of inner particles from the first-order least-squares gradient.
 
-    The nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u (n_all, dim) [m/s] on
-    any particles. A stencil below the floor is zero. As a source of pressure it ends in a blow-up where the flux
-    through a circle does not.
+    This is the nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u (n_all, dim)
+    [m/s] on any particles. A stencil below the floor is zero. As a pressure source it is unstable where the flux
+    through a circle is stable.
     """
     indptr, axes = cloud.indptr, cloud.axes
     dim, room = len(axes), room_for(indptr)

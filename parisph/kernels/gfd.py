@@ -17,10 +17,10 @@ from parisph.kernels.smoothing import quartic_weight
 def gfd_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
     """Fill the rows of inner particles with the Laplacian of a least-squares polynomial of degree 2.
 
-    p_j - p_i is fitted by the polynomials of degree 1 and 2, 5 in 2D and 9 in 3D: x, y, x^2 - y^2, xy, r^2 in 2D.
-    Only r^2 has a Laplacian, 2 dim, so that one solution with the normal matrix gives the whole row. Exact for
-    quadratics on any particles. Values may be negative. A row with fewer than 6 neighbours (3D: 10) within the
-    radius, or with neighbours that do not span the polynomials, is given up: no entries, measure 0.
+    p_j - p_i is fitted by the polynomials of degree 1 and 2, 5 in 2D and 9 in 3D: x, y, x^2 - y^2, xy, r^2 in 2D. Only
+    r^2 has a Laplacian, 2 dim, so one solution with the normal matrix gives the whole row. Exact for quadratics on any
+    particles. Values may be negative. A row is dropped (no entries, measure 0) if fewer than 6 neighbours (3D: 10) are
+    within the radius, or if they do not span the polynomials.
 
     radius : of the quartic weight [m]
     """
@@ -53,10 +53,10 @@ def gfd_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
 
 @inlined
 def _weigh(w, basis, size, m):
-    """Write the weights, from r^2 in the last row of the basis; return how many are not zero."""
+    """Write the weights from r^2 in the last row of the basis; return how many are not zero."""
     found, limit2 = 0, 1.0 / (QUADRATIC_UNIT * QUADRATIC_UNIT)
     for k in range(m):
         r2 = basis[size - 1, k]
         w[0, k] = quartic_weight(r2, limit2)
-        found += (r2 < limit2) & (r2 > 0.0)  # a neighbour in the same place says nothing
+        found += (r2 < limit2) & (r2 > 0.0)  # a coincident neighbour adds no information
     return found

@@ -1,4 +1,4 @@
-"""The forms of the pressure gradient."""
+"""Forms of the pressure gradient."""
 
 import math
 
@@ -15,31 +15,30 @@ from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 from parisph.kernels.solids import element_normal, nearest_point
 
-TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
-# What damps the slopes of the velocity at walls, in squares of the radius. Along the wall it only matters where a few
-# neighbours lie on one side.
+TOO_FEW = -1.0      # quality of a moment of fewer than dim + 1 neighbours
+# Damping of velocity slopes at walls, in squares of the radius. Along the wall it matters only where a few neighbours
+# lie on one side.
 ACROSS = 0.1        # tuned 0.05 to 0.2: damping of the slope of the velocity across a wall; judged
 ALONG = 0.01        # tuned 0.005 to 0.02: damping of that slope along a wall; judged
-SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times what its quality lacks; judged
-# Spacings from a wall within which its datum helps a gradient with too few neighbours. In the tip of water on a flat
-# beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
+SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times its lack of quality; judged
+# In the tip of water on a flat beach the surface is the only layer, up to 1.5 spacings above the bed, and nodes below
+# it have no row.
 DATUM = 1.4    # tuned 0.7 to 2.8: spacings from a wall within which its datum helps a gradient; judged
 
 
 @kernel
 def least_squares_gradient(out: np.ndarray, known: np.ndarray, cloud: Cloud, f: np.ndarray, form: Form) -> None:
-    """First-order least-squares gradient of f at fluid particles.
+    """Write the first-order least-squares gradient of f at fluid particles.
 
-    power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
-    (Eq. 28, with the printed volumes cancelled). With the cubic spline of the papers instead of the
-    quartic weight, SPLINE (of `near`) is Eq. 28. SPLINE_SLOPE is the corrected kernel gradient of Eqs. 26-27:
-    grad W = (W'/r) r_ij makes it a least-squares fit with the weight -W'/r. Eq. 27, and L in Eq. 28, lack
-    m_j/rho_j; with it the volumes cancel. Exact for linear f on any set.
+    power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form (Eq. 28, where the printed volumes
+    cancel). SPLINE (of `near`) is Eq. 28 with the papers' cubic spline instead of the quartic weight. SPLINE_SLOPE is
+    the corrected kernel gradient of Eqs. 26-27: grad W = (W'/r) r_ij makes it a least-squares fit with the weight
+    -W'/r. Eq. 27, and L in Eq. 28, lack m_j/rho_j; with it the volumes cancel. Exact for linear f on any particles.
 
-    Particles with fewer than dim + 1 neighbours, or with all in one place, get the role BALLISTIC.
+    Particles with fewer than dim + 1 neighbours, or with all of them in one place, get the role BALLISTIC.
 
-    out : (n_owned, dim) [unit of f per m]; zero for walls and BALLISTIC particles; below the floor of the form, the
-        slope across the line of the neighbours (3D: their line or plane) is damped
+    out : (n_owned, dim) [unit of f per m]; zero at walls and BALLISTIC particles; below the floor of the form, the
+        slope across the line (3D: line or plane) of the neighbours is damped
     known : (n_owned,) bool, where out stays; f : (n_all,)
     """
     role, indptr, axes, radius = cloud.role, cloud.indptr, cloud.axes, form.radius
@@ -75,9 +74,9 @@ def least_squares_gradient(out: np.ndarray, known: np.ndarray, cloud: Cloud, f: 
 @inlined
 def fitted(m: np.ndarray, inverse: np.ndarray, moments: np.ndarray, weighted: np.ndarray, near: np.ndarray, power: int,
            columns: int, axes: tuple[int, ...]) -> float:
-    """Weigh the neighbours in row 0 and invert their moment; return what `support` returns.
+    """Write the weights in row 0 and invert the neighbours' moment; return the same quality as `support`.
 
-    It needs no products of weights and coordinates, and takes less time. moments : (moment_count, 1), written
+    It is faster, because it needs no products of weights and coordinates. moments : (moment_count, 1) output
     """
     dim = len(axes)
     weights(weighted, near, power, columns, axes)
@@ -94,7 +93,7 @@ def fitted(m: np.ndarray, inverse: np.ndarray, moments: np.ndarray, weighted: np
 @inlined
 def support(m: np.ndarray, inverse: np.ndarray, weighted: np.ndarray, near: np.ndarray, power: int, n: int,
             columns: int, axes: tuple[int, ...]) -> float:
-    """Weigh the neighbours and invert their moment; return its det/(trace/dim)^dim, or TOO_FEW: not more than dim."""
+    """Write the weights and invert the neighbours' moment; return det/(trace/dim)^dim, or TOO_FEW for at most dim."""
     dim = len(axes)
     weigh(weighted, near, power, columns, axes)
     for a in range(dim):
@@ -109,10 +108,9 @@ def support(m: np.ndarray, inverse: np.ndarray, weighted: np.ndarray, near: np.n
 
 @inlined
 def _soften(m, inverse, lack, axes):
-    """Invert the moment with the same in every direction added: neighbours in a line give no slope across it, but one
-    along it.
+    """Invert the moment plus an isotropic part, so that neighbours on a line give a slope along it only.
 
-    Returns False if there is nothing to add to.
+    Returns False if the moment is zero.
     """
     dim, trace = len(axes), 0.0
     for a in range(dim):
@@ -124,10 +122,10 @@ def _soften(m, inverse, lack, axes):
 
 @kernel
 def regain_role(start_role: np.ndarray, cloud: Cloud, form: Form) -> None:
-    """Give owned fluid in free flight its role of the start, once its neighbours would support a gradient again.
+    """Give ballistic owned fluid its initial role again once its neighbours support a gradient.
 
-    For a surface that keeps its particles: nothing else would end their flight. A floor above that of
-    least_squares_gradient keeps a particle from switching back and forth between the two roles.
+    For rules that keep the initial surface, where nothing else ends free flight. A floor above that of
+    least_squares_gradient keeps particles from alternating between the two roles.
 
     start_role : (n_owned,)
     """
@@ -147,8 +145,8 @@ def regain_role(start_role: np.ndarray, cloud: Cloud, form: Form) -> None:
 def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float, most: float) -> None:
     """Replace the gradient at surface particles by that of the harmonic fit.
 
-    Rows whose neighbours do not span the harmonic basis keep their value in `out`, as do those where the harmonic terms
-    raise the variance of the slope to more than `most` times that of a linear fit.
+    `out` stays unchanged where the neighbours do not span the harmonic basis, or where the harmonic terms raise the
+    variance of the slope to more than `most` times that of a linear fit.
     """
     indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
     c, work, b = harmonic.scratch(indptr, cloud.axes)
@@ -164,11 +162,11 @@ def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: floa
 @kernel
 def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: Walls, f: np.ndarray, here: np.ndarray,
                       less: np.ndarray, form: Form) -> None:
-    """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall for a datum.
+    """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall as a datum.
 
-    M becomes M + w n n^T, and b becomes b + w n (n . slope), w = tr M, where n is the normal of the nearest element.
-    Without it a particle at a contact line, in a wedge of water, may fall freely and stir everything. Exact for f with
-    this slope at the wall. Particles that get a slope by it are no longer BALLISTIC but SURFACE.
+    M becomes M + w n n^T, and b becomes b + w n (n . slope), w = tr M, with the normal n of the nearest element.
+    Without it, a particle at a contact line in a wedge of water may fall freely and disturb the flow. Exact for linear
+    f with this slope at the wall. BALLISTIC particles that get a slope become SURFACE.
 
     here : (n_all, dim), less : (M, dim), of elements; the gradient of f at a wall has the normal part of here - less
     """
@@ -205,7 +203,7 @@ def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: W
 
 @subkernel
 def _nearest_element(normal, places, i, cloud, walls):
-    """Return the nearest element that i sees, -1 if it is too far for a datum, and write its normal.
+    """Return the nearest element seen from i, -1 if it is too far for a datum, and write its normal.
 
     places : ((dim,), (dim,)) scratch
     """
@@ -240,7 +238,7 @@ def _add_wall(m, normal, i, e, here, less, axes):
 
 @kernel
 def symmetric_gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, h: float, volume: float) -> None:
-    """Momentum-conserving gradient (Zheng et al. 2017, Eq. 25, with the missing m_j).
+    """Write the momentum-conserving gradient (Zheng et al. 2017, Eq. 25, with the missing m_j).
 
     grad p_i = sum_j V (p_i + p_j) grad_i W_ij, at equal densities.
 
@@ -265,16 +263,15 @@ def symmetric_gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, h: float, v
 
 @kernel
 def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.ndarray, radius: float) -> None:
-    """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
+    """Write the velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
-    The tangential part is the value at the wall of a linear fit through the fluid within the
-    radius. The slope across the wall is damped by adding ACROSS radius^2 to the variance of the distances, because a
-    plain linear fit through one or two layers of particles amplifies their disorder; what is known of
-    the slope, the shear of irrotational flow beside a wall that turns, is not damped. Corners move
-    with the wall.
+    The tangential part is the value at the wall of a linear fit through the fluid within the radius. ACROSS radius^2,
+    added to the variance of the distances, damps the slope across the wall: an undamped fit through one or two layers
+    amplifies their disorder. The known part of the slope, the shear of irrotational flow beside a rotating wall, is not
+    damped. Corners move with the wall.
 
-    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]; shear : (n_owned, dim) [1/s], the
-        change of the tangential part per distance from the wall; radius : of the weight [m]
+    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
+    shear : (n_owned, dim) [1/s], change of the tangential part per distance from the wall; radius : of the weight [m]
     """
     dim = len(cloud.axes)
     work = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
@@ -289,7 +286,7 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
 
 @kernel
 def mean_beside_walls(f: np.ndarray, cloud: Cloud, radius: float) -> None:
-    """Write to owned wall particles the weighted mean of a field of the fluid within a radius, 0 where there is none.
+    """Write the weighted mean of the fluid within the radius at owned wall particles, 0 without fluid.
 
     f : (n_all,); radius : of the weight [m]
     """

@@ -1,11 +1,11 @@
-"""Find the matrix rows that lead, along their entries, to a given set of rows."""
+"""Search for the matrix rows that lead, along their entries, to a given set of rows."""
 
 import numpy as np
 
 from parisph.kernels.jit import kernel, subkernel
 
-# Sweeps over the rows before a breadth-first search takes over. Two or three sweeps, forwards and
-# backwards, are enough for rows in cell order, but not for a long chain in a bad order.
+# Sweeps before a breadth-first search takes over. Two or three, forwards and backwards, suffice for rows in cell order,
+# but not for a long chain in a bad order.
 _SWEEPS = 4
 
 
@@ -14,18 +14,11 @@ def spread(reached: np.ndarray, pending: np.ndarray, indptr: np.ndarray, indices
            offset: int) -> np.ndarray:
     """Mark every pending row that leads to a marked row; return those that do not.
 
-    Parameters
-    ----------
     reached : (n,) bool, changed in place
-    pending : (m,) int32, rows that are not marked, the only ones looked at
-    indptr : (n + 1,) int, indices : (nnz,) int
-        CSR rows. Columns outside [offset, offset + n) are ignored.
-    offset : int
-        Column of the first row.
-
-    Returns
-    -------
-    pending : (k,) int32, the rows that are still not marked
+    pending : (m,) int32, the unmarked rows to examine
+    indptr, indices : (n + 1,), (nnz,) int, CSR rows; columns outside [offset, offset + n) are ignored
+    offset : column of the first row
+    Returns (k,) int32, the rows that stay unmarked.
     """
     pending = pending.copy()
     for sweep in range(_SWEEPS):
@@ -55,7 +48,7 @@ def _sweep(reached, pending, indptr, indices, offset):
 
 @subkernel
 def _search(reached, pending, indptr, indices, offset):
-    """Breadth-first search over the reversed entries of the pending rows; visits each entry once."""
+    """Search breadth-first over the reversed entries of the pending rows, visiting each entry once."""
     n = reached.size
     start = np.zeros(n + 1, np.int32)
     for i in pending:

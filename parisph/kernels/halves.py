@@ -1,9 +1,9 @@
-"""The half cells beside walls: does any fluid stand for them?
+"""Half cells beside walls: does any fluid represent them?
 
-A wall particle takes the place of a neighbour one spacing away, thus fluid beside a wall is at rest in the
-kernel sums one spacing in front of it. Fluid that starts there represents the half cell at the wall as well,
-3/2 cells in all. Fluid that comes to the wall later represents one cell, and has its place at half a spacing:
-a wall particle would be one too many.
+A wall particle replaces a neighbour one spacing away, so fluid beside a wall is at rest in the kernel sums one spacing
+in front of it. Fluid that starts there represents the half cell at the wall as well, 3/2 cells in all. Fluid that
+arrives later represents one cell, and its equilibrium is half a spacing from the wall: a wall particle would be one too
+many.
 """
 
 import math
@@ -14,21 +14,21 @@ from parisph.base.fields import FLUID, WALL
 from parisph.kernels.jit import kernel
 from parisph.kernels.records import Cloud
 
-# Fluid as near to a wall stands for its half cell there; farther away there is room for a second layer.
+# Fluid this near a wall represents the half cell there; farther away a second layer has room.
 LAYER = 1.5     # tuned 0.75 to 3: spacings from a wall to the end of the first layer; judged
-# Where fluid is pressed together along the wall:
-FAR_BEFORE = 2.0    # tuned 1 to 4: spacings to the end of the fluid that stands for its half cells; judged
-PRESSED = 2.0       # tuned 1 to 4: how many half cells pressed fluid stands for at most; judged
+# For fluid compressed along the wall:
+FAR_BEFORE = 2.0    # tuned 1 to 4: spacings to the end of the fluid that represents half cells; judged
+PRESSED = 2.0       # tuned 1 to 4: most half cells that compressed fluid represents; judged
 
 
 @kernel
 def wall_share(share: np.ndarray, cloud: Cloud, cells: np.ndarray, most: float, before: float) -> None:
-    """Write the part of the half cells at owned wall particles that fluid in front of them stands for, 1 for fluid.
+    """Write the part of the half cells at owned wall particles that fluid in front represents, 1 for fluid.
 
-    share_i = min(most, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (cells_j - 1))), over the fluid closer than
-    `before` [spacings] to the wall, with the distance t_ij < s along the wall.
+    share_i = min(most, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (cells_j - 1))), over the fluid within `before`
+    [spacings] of the wall, with the distance t_ij < s along the wall.
 
-    share : (n_owned,) output; cells : (n_all,), for how many of its own a particle stands
+    share : (n_owned,) output; cells : (n_all,), number of its cells that a particle represents
     """
     x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
     for i in range(len(share)):

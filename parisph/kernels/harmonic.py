@@ -1,8 +1,8 @@
 """First derivatives from a local fit by harmonic polynomials.
 
-Where lap f = 0 the quadratic terms of f are harmonic, so that a fit by (X, Y, X^2 - Y^2, XY) is of
-second order. It needs far fewer neighbours than a full quadratic fit, which suits the one-sided
-stencils at walls and at the surface. The two harmonic terms of degree 3 (seven in 3D) make it of third order.
+Where lap f = 0, the quadratic terms of f are harmonic, so that a fit by (X, Y, X^2 - Y^2, XY) is of second order. It
+needs far fewer neighbours than a full quadratic fit, which suits one-sided stencils at walls and at the surface. The
+two harmonic terms of degree 3 (seven in 3D) make it of third order.
 """
 
 from typing import NamedTuple
@@ -16,16 +16,15 @@ from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
-# The unit of length of a fit with slopes, in radii: 1.04 spacings for a radius of 2.6, so that all moments are of order
-# one. A slope across a wall weighs as much as a difference between values over this length; a quarter or four times of
-# it do as well.
+# 1.04 spacings for a radius of 2.6, so that all moments are of order one. A slope across a wall weighs as much as a
+# difference between values over this length. A quarter or four times this length works as well.
 UNIT = 0.4    # tuned 0.1 to 1.6: unit of length of a fit with slopes, in radii; measured
 
 
 class Slopes(NamedTuple):
-    """Slopes across walls, data of a fit.
+    """Normal derivatives at walls, data of a fit.
 
-    value : (n_all,), n . grad f; known : (n_all,) bool, at which walls it is one
+    value : (n_all,), n . grad f; known : (n_all,) bool, where it is known
     """
 
     value: np.ndarray
@@ -33,11 +32,11 @@ class Slopes(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """The data of a fit by harmonic polynomials up to degree 3, and its linear system.
+    """Data and linear system of a fit by harmonic polynomials up to degree 3.
 
-    b : (terms + 4, columns), polynomials, and data in the row after them, with whole LANES of columns, and of rows
+    b : (terms + 4, columns), polynomials, then a row of data; columns and rows are padded to whole LANES
     w : (1, columns) weights
-    work, right : (terms, terms + 3), (terms + 3,) moments, a lower triangle, of the polynomials and of the data
+    work, right : (terms, terms + 3), (terms + 3,), moments of the polynomials (lower triangle) and of the data
     moment, rest, inverse : (dim, dim) scratch
     """
 
@@ -68,7 +67,7 @@ def terms(degree: int, axes: tuple[int, ...]) -> int:
 
 @inlined
 def fill_values(b: np.ndarray, m: int, degree: int, axes: tuple[int, ...]) -> None:
-    """Add the harmonic polynomials of degree 2 to `degree` to the coordinates in the first rows of m columns."""
+    """Append the harmonic polynomials of degree 2 to `degree` to the coordinates in the first rows of m columns."""
     if len(axes) == 2:
         for k in range(m):
             x, y = b[0, k], b[1, k]
@@ -90,9 +89,9 @@ def fill_values(b: np.ndarray, m: int, degree: int, axes: tuple[int, ...]) -> No
 @inlined
 def fill_slopes(b: np.ndarray, k: int, place: tuple[float, float, float], direction: tuple[float, float, float],
                 axes: tuple[int, ...]) -> None:
-    """Write the derivatives of the polynomials up to degree 3 in a direction at a place to column k.
+    """Write the directional derivatives of the polynomials up to degree 3 at a place to column k.
 
-    In 2D, the third coordinates are not used.
+    Third coordinates are not used in 2D.
     """
     (x, y, z), (p, q, r) = place, direction
     b[0, k], b[1, k] = p, q
@@ -115,7 +114,7 @@ def fill_slopes(b: np.ndarray, k: int, place: tuple[float, float, float], direct
 
 @inlined
 def weigh(w: np.ndarray, near: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
-    """Write the weights of m places in UNITs of the radius, in the first rows of `near`."""
+    """Write the weights of m places in UNITs of the radius, given in the first rows of `near`."""
     for k in range(m):
         r2 = near[0, k] ** 2 + near[1, k] ** 2
         if len(axes) == 3:
@@ -125,7 +124,7 @@ def weigh(w: np.ndarray, near: np.ndarray, m: int, axes: tuple[int, ...]) -> Non
 
 @subkernel
 def fit_of(columns: int, axes: tuple[int, ...]) -> Fit:
-    """Return a Fit with room for so many columns."""
+    """Return a Fit with room for this number of columns."""
     dim, size = len(axes), terms(3, axes)
     return Fit(np.zeros((size + 4, columns)), np.empty((1, columns)), np.empty((size, size + 3)), np.empty(size + 3),
                np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim)))
@@ -133,10 +132,10 @@ def fit_of(columns: int, axes: tuple[int, ...]) -> Fit:
 
 @inlined
 def add_slopes(fit: Fit, m: int, i: int, cloud: Cloud, slopes: Slopes, lap: float, scale: float, radius: float) -> int:
-    """Add a column for each slope across a wall that is known, of i and around it; return how many there are then.
+    """Append a column for each known normal derivative at i and its neighbours; return the new number of columns.
 
-    m : columns that there are; lap : what slopes grow by with the distance [1/m]; scale : of data
-    radius : of the weight [m], the UNIT of which is that of lengths
+    m : number of columns before; lap : increase of slopes per distance [1/m]; scale : of data
+    radius : of the weight [m]; lengths are in UNITs of it
     """
     x, normal, indptr, axes, unit = cloud.x, cloud.normal, cloud.indptr, cloud.axes, UNIT * radius
     radius2, z, r, first = radius * radius, 0.0, 0.0, np.uint32(indptr[i])
@@ -160,7 +159,7 @@ def add_slopes(fit: Fit, m: int, i: int, cloud: Cloud, slopes: Slopes, lap: floa
 
 @inlined
 def assemble(fit: Fit, m: int, n: int, axes: tuple[int, ...]) -> None:
-    """Write the moments of the first n polynomials and of the data, from m columns."""
+    """Write the moments of the first n polynomials and of the data over m columns."""
     b, w, work, right = fit.b, fit.w, fit.work, fit.right
     if m == 0:
         for r in range(n):
@@ -180,12 +179,12 @@ def assemble(fit: Fit, m: int, n: int, axes: tuple[int, ...]) -> None:
 
 @inlined
 def solve(fit: Fit, n: int, few: int, most: float, axes: tuple[int, ...]) -> bool:
-    """Write the first coefficients of n polynomials to `right`, from moments; return whether the fit is sound.
+    """Write the first coefficients of n polynomials to `right`; return whether the fit is sound.
 
-    It is not where the data do not determine the coefficients, or the terms above the first degree raise the variance
-    of the slope to more than `most` times that of a linear fit.
+    It is unsound if the data do not determine the coefficients, or if the terms above the first degree raise the
+    variance of the slope to more than `most` times that of a linear fit.
 
-    few : coefficients that are wanted, at least those of degree 1
+    few : number of coefficients needed, at least those of degree 1
     """
     work, right, moment, rest, inverse = fit.work, fit.right, fit.moment, fit.rest, fit.inverse
     dim = len(axes)
@@ -195,7 +194,7 @@ def solve(fit: Fit, n: int, few: int, most: float, axes: tuple[int, ...]) -> boo
             moment[a, c] = moment[c, a] = work[a, c]
     for k in range(n):
         largest = max(largest, work[k, k])
-    # the terms of the highest degree go first: what is left for those of degree 1 is all that a slope needs
+    # eliminate the highest degrees first: slopes need only the rest, for degree 1
     for k in range(n - 1, dim - 1, -1):
         sound &= work[k, k] > PIVOT_FLOOR * largest
         work[k, k] = 1.0 / work[k, k]
@@ -231,12 +230,12 @@ def coefficients(out: np.ndarray, i: int, cloud: Cloud, radius: float, most: flo
                  b: np.ndarray) -> bool:
     """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
-    Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
+    Returns False, with out undefined, if the neighbours do not span the basis, or not well enough for `most`.
 
-    out, work, b : of `scratch`, out [1/m] in the order of the list of i; radius : of the quartic weight [m]
-    most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions
-        of the ratio to a linear fit, for noise of variance 1/w, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its
-        linear block M = A_11; infinite for no limit
+    out, work, b : of `scratch`; out [1/m] in the order of the list of i; radius : of the quartic weight [m]
+    most : largest ratio of the variances of first derivatives with and without terms of degree 2, or infinity: for
+        noise of variance 1/w, the mean over directions trace(M (A^-1)_11)/dim, with A = sum w b b^T and its linear
+        block M = A_11
     """
     x, role, indptr, indices, axes = cloud.x, cloud.role, cloud.indptr, cloud.indices, cloud.axes
     dim, n, found = len(axes), basis_size(axes), 0
@@ -279,7 +278,7 @@ def coefficients(out: np.ndarray, i: int, cloud: Cloud, radius: float, most: flo
 
 @subkernel
 def inflation(moment: np.ndarray, work: np.ndarray, b: np.ndarray, n: int, axes: tuple[int, ...]) -> float:
-    """Return by how much the terms of degree 2 and 3 raise the variance of the slope, as a mean over directions.
+    """Return the factor by which terms of degree 2 and 3 raise the variance of the slope, averaged over directions.
 
     moment : (dim, dim), of the linear terms alone; work : the factor of all n terms; b : (n,) scratch
     """
@@ -305,7 +304,7 @@ def _weight(i, j, x, role, radius2, axes):
 
 @subkernel
 def scratch(indptr: np.ndarray, axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return arrays (out, work, b) for `coefficients`, large enough for any row."""
+    """Return arrays (out, work, b) for `coefficients`, large enough for every row."""
     longest = 1
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])

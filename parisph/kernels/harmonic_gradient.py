@@ -1,8 +1,8 @@
-"""The gradient from a fit by harmonic polynomials, to the values of neighbours and to slopes across walls.
+"""The gradient from a fit by harmonic polynomials to the values of neighbours and to slopes across walls.
 
-A stencil beside a wall is one-sided: nothing lies behind it. But the slope of pressure across a wall is known at each
-of its particles (Z14 Eq 25), and so it is a datum of the fit like the value of a neighbour. Without it the pressure of
-a wave ten spacings deep pushes the particles beside a wall too hard, by a tenth along the surface and along the bed.
+A stencil beside a wall is one-sided. But the normal derivative of pressure is known at each wall particle (Z14 Eq 25),
+and is a datum of the fit like the value of a neighbour. Without it, the pressure of a wave ten spacings deep pushes the
+particles beside a wall too hard, by a tenth along the surface and along the bed.
 """
 
 import numpy as np
@@ -17,15 +17,15 @@ from parisph.kernels.records import Cloud
 @kernel
 def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harmonic.Slopes, laplacian: np.ndarray,
                       radius: float, most: float) -> np.ndarray:
-    """Write the gradient at fluid with a pressure by the harmonic fit, and return where there is one (n_owned,) bool.
+    """Write the gradient at fluid with a pressure by the harmonic fit; return where it exists (n_owned,) bool.
 
-    The polynomials are of degree 3. Where the neighbours do not span them, or the terms above the first degree raise
-    the variance of the slope to more than `most` times that of a linear fit, they are of degree 2. Where the neighbours
-    do not suffice for these either, `out` keeps its value.
+    The polynomials are of degree 3, or of degree 2 if the neighbours do not span them or the terms above the first
+    degree raise the variance of the slope to more than `most` times that of a linear fit. If neither fit is sound,
+    `out` keeps its value.
 
     out : (n_owned, dim), changed [unit of f per m]; f : (n_all,)
-    laplacian : (n_owned,) of f [unit of f per m^2], or without rows if f is harmonic. What it adds to values around a
-        particle, lap r^2/(2 dim), and to slopes is not harmonic but known.
+    laplacian : (n_owned,) of f [unit of f per m^2], or without rows if f is harmonic. Its contributions to values, lap
+        r^2/(2 dim), and to slopes are subtracted before the fit.
     radius : of the weight [m]
     """
     role, indptr, axes = cloud.role, cloud.indptr, cloud.axes
@@ -36,7 +36,7 @@ def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harm
         if role[i] != INNER and role[i] != SURFACE:
             continue
         n = gather_within(fit.b, member, 0, i, cloud, unit, radius)
-        if n <= dim:    # in free flight, whatever walls are near
+        if n <= dim:    # in free flight
             continue
         lap = laplacian[i] / dim if len(laplacian) > 0 else 0.0
         _values(fit, member, n, i, f, 0.5 * lap * unit * unit, axes)
@@ -54,7 +54,7 @@ def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harm
 
 @inlined
 def _values(fit, member, n, i, f, bend, axes):
-    """Complete the columns of n neighbours: polynomials, weights and data. bend : lap/(2 dim), lengths in units."""
+    """Complete the columns of n neighbours: polynomials, weights and data. bend : lap/(2 dim), lengths in units"""
     b, size = fit.b, harmonic.terms(3, axes)
     m = fill_up(b, n, axes)
     harmonic.fill_values(b, m, 3, axes)

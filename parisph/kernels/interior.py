@@ -1,9 +1,8 @@
-"""Voronoi cells inside the fluid (2D): a measure of volume without bias on disordered particles.
+"""Voronoi cells inside the fluid (2D): an unbiased measure of volume on disordered particles.
 
-A kernel-sum density is wrong by several per cent on disordered particles, and the union of discs
-hides losses. The mean area of the Voronoi cells has neither fault. The edges of a cell are followed
-in order: at each corner, the next edge belongs to the neighbour whose bisector is met first. This
-visits each edge once and needs no sorting.
+A kernel-sum density is wrong by several per cent on disordered particles, and the union of discs hides losses; the mean
+area of the Voronoi cells is neither. The edges of a cell are followed in order: at each corner, the next edge belongs
+to the neighbour whose bisector is met first. Each edge is visited once, and nothing is sorted.
 """
 
 import math
@@ -21,11 +20,11 @@ MOST = 256  # neighbours of one particle; a cell with more is skipped
 def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]:
     """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
 
-    Inside means: inner fluid particles farther than `away` from every surface and ballistic
-    particle. The sites are fluid and wall particles. A cell is skipped if the neighbours within the
-    reach do not close it, because its area would depend on the lists.
+    Inside are inner particles farther than `away` from every surface and ballistic particle. The sites are fluid and
+    wall particles. A cell that the neighbours within the reach do not close is skipped, because its area would depend
+    on the lists.
 
-    away <= reach : radii of the lists or less [m]
+    away <= reach : at most the radius of the lists [m]
     """
     rx, ry, limit, along = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
     total, count = 0.0, 0
@@ -34,7 +33,7 @@ def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]
             continue
         n = _neighbours(rx, ry, limit, i, cloud, away, reach)
         area, farthest2 = _walk(rx, ry, limit, along, n)
-        # a site beyond the reach can only cut off corners farther away than half the reach
+        # sites beyond the reach can cut off only corners farther away than half the reach
         if 4.0 * farthest2 < reach * reach:
             total += area
             count += 1
@@ -71,7 +70,7 @@ def _walk(rx, ry, limit, along, n):
     for j in range(1, n):
         if limit[j] < limit[first]:
             first = j
-    here = first  # the bisector with the nearest neighbour is always an edge
+    here = first  # the bisector of the nearest neighbour is always an edge
     px, py = 0.5 * rx[here], 0.5 * ry[here]
     twice, farthest2 = 0.0, 0.0
     for _ in range(n):

@@ -10,11 +10,10 @@ from parisph.kernels.processor import numba
 processor.choose_level()
 processor.leave_out_avx512()
 
-_F = TypeVar("_F", bound=Callable[..., Any])    # kernels are typed as the functions that they compile
+_F = TypeVar("_F", bound=Callable[..., Any])    # a kernel has the type of the function that it compiles
 
-# Kernels avoid division by zero themselves, so the checks of Python's error model are not needed.
-# NaN must stay NaN, because that is how errors are found: no "nnan".
-# Nothing calls kernels from C: without wrappers for that they compile faster.
+# Kernels avoid division by zero themselves and need no checks by Python's error model. Without "nnan", NaN stays NaN
+# and shows errors. Without wrappers for calls from C, kernels compile faster.
 _OPTIONS: dict[str, Any] = dict(
     error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
@@ -38,10 +37,10 @@ kernel = _compiler(cached=True, **_OPTIONS)
 
 
 class Subkernel:
-    """A function that kernels call; numba translates it when a kernel is compiled that does.
+    """A function that kernels call; numba compiles it as a part of each of them.
 
-    It is not cached: the kernels that it is a part of are, and to load it would take longer than it saves. If Python
-    calls it, as tests do, it is compiled once more, with what takes Python's arrays apart.
+    It is not cached: its callers are, and loading it would take longer than it saves. A call from Python, as in tests,
+    compiles it once more with a wrapper for Python's arrays.
     """
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
@@ -50,16 +49,16 @@ class Subkernel:
 
     @cached_property
     def within(self) -> Any:
-        """numba's own object for it, of which nothing but kernels can make use."""
+        """numba's dispatcher for calls from kernels only."""
         return _compiler(no_cpython_wrapper=True, **self.options)(self.py_func)
 
     @cached_property
     def alone(self) -> Any:
-        """numba's own object for calls from Python."""
+        """numba's dispatcher for calls from Python."""
         return _compiler(**self.options)(self.py_func)
 
     @property
-    def _numba_type_(self) -> Any:    # where numba looks for what a global name stands for
+    def _numba_type_(self) -> Any:    # numba reads the type of a global here
         return self.within._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
@@ -73,16 +72,16 @@ def _subkernel_compiler(**options: Any) -> Callable[[Callable[..., Any]], Subker
 
 subkernel = _subkernel_compiler(**_OPTIONS)
 
-# For functions that a kernel calls for every particle. A call costs more than a short vector loop,
-# and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
-# these functions may read and write arrays, but neither make nor slice them.
+# For functions that a kernel calls for every particle. A call, or counting references to its arrays, costs more than a
+# short vector loop. Without reference counts ("_nrt") these functions can read and write arrays, but not make or slice
+# them.
 inlined = _subkernel_compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
-# For scripts: a cache would keep the name of the module, of which a script that others import has two.
+# For scripts: a cache stores the module's name, and a script that others import has two.
 uncached = _compiler(**_OPTIONS)
 
-# The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and code
-# under `if len(axes) == 3` costs nothing in 2D.
+# The length of a tuple is part of its type: loops over range(len(axes)) are unrolled, and `if len(axes) == 3` costs
+# nothing in 2D.
 _AXES = {2: (0, 1), 3: (0, 1, 2)}
 
 

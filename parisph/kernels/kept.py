@@ -1,8 +1,8 @@
 """Compiled kernels on disk: a file for each signature of a kernel, with a digest.
 
-numba has an index of signatures for each kernel. It trusts what it finds, so that a damaged file stops every later
-run, and two processes that fill one cache may exchange the code of two signatures. Here the name of a file says what
-it is of, and a file is whole or not there: it is written under another name first.
+numba keeps an index of signatures for each kernel and trusts its files. A damaged file therefore stops every later run,
+and two processes that fill one cache may exchange the code of two signatures. Here the name of a file identifies its
+content, and files are complete: each is written under a temporary name first.
 """
 
 import glob
@@ -27,16 +27,15 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 class Kept(numba.core.caching.FunctionCache):
-    """numba's cache of one kernel, in these files. It relies on `_index_key` of numba's own cache, and on how numba
-    turns what it has compiled into what can be stored, and back.
+    """numba's cache of one kernel, in these files. It uses numba's `_index_key` and serialisation of compiled code.
 
-    function : the kernel in Python
-    folders : where its files are
+    function : the Python function of the kernel
+    folders : of its files
     """
 
-    _told: ClassVar[set[str]] = set()    # what is said once in a process
+    _told: ClassVar[set[str]] = set()    # warnings given once in a process
 
-    def __init__(self, function: Callable[..., Any], folders: Folders) -> None:    # numba's own would make its folder
+    def __init__(self, function: Callable[..., Any], folders: Folders) -> None:    # numba's __init__ makes a folder
         self._py_func, self._cache_path = function, str(folders.write)
         file = Path(inspect.getfile(function)).resolve()
         inside = file.is_relative_to(_PACKAGE)
@@ -47,23 +46,23 @@ class Kept(numba.core.caching.FunctionCache):
         self._stamp = hashlib.sha256(file.read_bytes()).hexdigest()[:8] if file.is_file() else None
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the kernel for a signature, or None if it has to be compiled."""
-        # numba's own cache also loads what only the compiler needs, which takes 0.05 s
+        """Return the kernel for a signature, or None if it must be compiled."""
+        # numba also loads parts for the compiler alone, which takes 0.05 s
         numba.core.runtime.rtsys.initialize(target_context)
         try:
             stored = self.load(self._index_key(sig, target_context.codegen()))
             return stored and numba.core.compiler.CompileResult._rebuild(target_context, *stored)
-        except Exception:    # whatever is wrong with what was stored, the kernel can be compiled again
+        except Exception:    # the kernel can be compiled again
             self.damaged()
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Write a compiled kernel, unless it contains an address in this process."""
+        """Write a compiled kernel unless it contains an address of this process."""
         if not data.library.has_dynamic_globals:
             self.save(self._index_key(sig, data.codegen), data._reduce())
 
     def load(self, key: Any) -> Any:
-        """Return what was saved under a key; None if it is not there, or damaged, of which one line tells."""
+        """Return the object saved under a key, or None if it is missing or damaged (with a warning)."""
         name = self._file_of(key)
         if name is None:
             return None
@@ -72,7 +71,7 @@ class Kept(numba.core.caching.FunctionCache):
                 path = folder / self._place / name
                 content = opened(path.name, path.read_bytes())
                 if content is not None:
-                    with suppress(Exception):    # of another release of a library
+                    with suppress(Exception):    # another release of a library wrote it
                         found = pickle.loads(content)
                         _debug("loaded from", path)
                         return found
@@ -80,17 +79,17 @@ class Kept(numba.core.caching.FunctionCache):
         return None
 
     def damaged(self, path: Path | None = None) -> None:
-        """Tell once, on the first rank, that a file cannot be used."""
+        """Warn once, on the first rank, that a file is damaged."""
         where = path or f"{self._name} in {self.folders.write}"
         self._tell("damaged", f"a compiled kernel in the cache is damaged ({where}): it is compiled again")
 
     def save(self, key: Any, data: Any) -> None:
-        """Write what load(key) shall return. If it cannot be written, one line tells, and the run goes on without."""
+        """Write an object for load(key), or warn if that is impossible."""
         name = self._file_of(key)
         if name is None:
             return
         if self.folders.write is None:
-            self._tell("nowhere", "compiled kernels can be kept in no folder, and every run compiles them again: "
+            self._tell("nowhere", "no folder for compiled kernels is writable, so every run compiles them again: "
                                   "set NUMBA_CACHE_DIR to a folder that you can write")
             return
         path = self.folders.write / self._place / name
@@ -100,7 +99,7 @@ class Kept(numba.core.caching.FunctionCache):
             new.write_bytes(sealed(name, numba.core.serialize.dumps(data)))
             os.replace(new, path)
             for old in path.parent.glob(f"{glob.escape(self._name)}.*{ENDING}"):
-                if not old.name.startswith(f"{self._name}.{self._stamp}."):    # its source has changed
+                if not old.name.startswith(f"{self._name}.{self._stamp}."):    # of an older source
                     old.unlink(missing_ok=True)
         except OSError as error:
             with suppress(OSError):
@@ -112,13 +111,13 @@ class Kept(numba.core.caching.FunctionCache):
         _debug("saved to", path)
 
     def flush(self) -> None:
-        """Forget all that is saved."""
+        """Delete all files of the kernel."""
         for folder in self.folders.read:
             for path in (folder / self._place).glob(f"{glob.escape(self._name)}.*{ENDING}"):
                 path.unlink(missing_ok=True)
 
     def _file_of(self, key):
-        """Return the name of the file for a key; None of a kernel that cannot be known again in another process."""
+        """Return the name of the file for a key, or None if another process could not recognise the kernel."""
         text = repr((numba.__version__, sys.version_info[:2], getattr(sys, "abiflags", ""), key))
         if self._stamp is None or " at 0x" in text:
             return None
@@ -131,24 +130,27 @@ class Kept(numba.core.caching.FunctionCache):
 
 
 def _debug(what, path):
-    """Print what numba's own cache prints with NUMBA_DEBUG_CACHE."""
+    """Print a line of numba's cache, for NUMBA_DEBUG_CACHE."""
     if numba.config.DEBUG_CACHE:
         print(f"[cache] data {what} {str(path)!r}")
 
 
 def sealed(name: str, content: bytes) -> bytes:
-    """Return the content of a file of this name, with a digest in front."""
+    """Return the content of a file of this name, preceded by a digest."""
     return hashlib.sha256(name.encode() + b"\0" + content).digest() + content
 
 
 def opened(name: str, content: bytes) -> bytes | None:
-    """Return what `sealed` was given; None if this is another file, or not whole."""
+    """Return the content given to `sealed`, or None if the name or the digest does not match."""
     return content[_DIGEST:] if sealed(name, content[_DIGEST:]) == content else None
 
 
 def state(folders: Folders) -> dict[str, Any]:
-    """Return what is in the folders: "kernels" and "bytes" of sound ones, the "damaged", and the folders to "write" and
-    to "read". Not collective."""
+    """Return the "kernels" (number of sound ones), their "bytes", the "damaged" files, and the folders to "write" and
+    "read".
+
+    Not collective.
+    """
     seen: set[str] = set()
     damaged: list[str] = []
     size = 0

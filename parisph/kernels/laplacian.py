@@ -13,8 +13,8 @@ from parisph.kernels.smoothing import cubic_spline_slope
 def isph_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:
     """Fill the rows of inner particles with the SPH Laplacian (Zheng, Ma & Duan 2014, Eq. 20a).
 
-    lap p_i = sum_j 2 V (r_ij . grad W_ij)/(r_ij^2 + delta^2) (p_i - p_j), delta = 0.1 h. A row without
-    neighbours within the kernel's reach is empty, with measure 0.
+    lap p_i = sum_j 2 V (r_ij . grad W_ij)/(r_ij^2 + delta^2) (p_i - p_j), delta = 0.1 h. A row without neighbours
+    within the kernel's support is empty, with measure 0.
 
     h : smoothing length of the cubic spline [m]; volume : of a particle, at equal sizes [m^dim]
     """
@@ -37,7 +37,7 @@ def isph_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:
             values[first + n] = max(c, 0.0)
             total += values[first + n]
             n += 1
-        # all listed neighbours may be out of the kernel's reach, or at the particle's own position
+        # all listed neighbours may be outside the support, or coincident
         count[i] = n if total > 0.0 else 0
         measure[i] = 1.0 / total if total > 0.0 else 0.0
         for k in range(first, first + count[i]):

@@ -15,23 +15,21 @@ def moment_count(axes: tuple[int, ...]) -> int:
 
 @inlined
 def linear_fit(fit: np.ndarray, moments: np.ndarray, at: np.ndarray, points: int, axes: tuple[int, ...]) -> int:
-    """Write the coefficients of the shape functions at some points.
+    """Write the coefficients of the shape functions at some points; return at how many of them the fit is linear.
 
-    The value at a point p of the weighted linear fit is sum_k Phi_k f_k with
-    Phi_k = (w_k/W) [1 - (x_k - mean) . C^-1 (mean - p)], where W = sum w, mean = sum w x / W and
-    C = sum w x x^T / W - mean mean^T. Here Phi_k = w_k (fit[0] + sum_a fit[1 + a] x_k[a]).
-    Where the neighbours do not span the plane (3D: space), only the constant is kept (Shepard). The
-    test uses the pivots of a Cholesky factor of C, which are ratios of its leading minors.
+    The value at a point p of the weighted linear fit is sum_k Phi_k f_k with Phi_k = (w_k/W) [1 - (x_k - mean) . C^-1
+    (mean - p)], where W = sum w, mean = sum w x / W and C = sum w x x^T / W - mean mean^T. Here Phi_k = w_k (fit[0] +
+    sum_a fit[1 + a] x_k[a]). Where the neighbours do not span the plane (3D: space), only the constant is kept
+    (Shepard). The test uses the pivots of a Cholesky factor of C, which are ratios of its leading minors.
 
     fit : (1 + dim, points) output
-    moments : (moment_count, points): sums of w, w x_a, and w x_a x_b in the order 00, 10, 11, ...,
-        lengths in units of the radius of the weight
+    moments : (moment_count, points), sums of w, w x_a, and w x_a x_b in the order 00, 10, 11, ..., lengths in units of
+        the radius of the weight
     at : (dim, points)
-    Returns the number of points where the fit is linear.
     """
     dim, linear = len(axes), 0
     for q in range(points):
-        # if all weights are zero, so are all moments and the fit
+        # the fit is zero if all weights are
         inverse = 1.0 / moments[0, q] if moments[0, q] > 0.0 else 0.0
         mx, my = moments[1, q] * inverse, moments[2, q] * inverse
         cxx = moments[dim + 1, q] * inverse - mx * mx

@@ -1,8 +1,7 @@
-"""Moments of weighted least squares, and the small linear systems made from them.
+"""Moments of weighted least squares, and their small linear systems.
 
-SFDI (Zheng et al. 2017, Eq. 29) is first-order weighted least squares with the weight W/r^2. Eq. 28
-is the same with the weight W, and the wall rows are its normal component. One moment kernel
-serves all three, in 2D and 3D.
+SFDI (Zheng et al. 2017, Eq. 29) is first-order weighted least squares with the weight W/r^2, Eq. 28 the same with the
+weight W, and the wall rows are its normal component. One moment kernel serves all three, in 2D and 3D.
 """
 
 import numpy as np
@@ -13,18 +12,17 @@ from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
-# A pivot below this fraction of the largest diagonal entry means that the neighbours do not span
-# the basis: such a system only amplifies rounding errors and disorder.
+# With smaller pivots the neighbours do not span the basis: the system amplifies rounding errors and disorder.
 PIVOT_FLOOR = 2.0e-3    # tuned 0.001 to 0.004: pivot over the largest diagonal entry, least of a sound fit; judged
 
-# The unit of length for fits by polynomials of degree 2, in radii of the weight: with it the moments up to the
-# fourth are of order one. In units of the radius the floor above would find good neighbours degenerate.
+# In this unit the moments up to the fourth are of order one. In units of the radius, good neighbours would fall below
+# PIVOT_FLOOR.
 QUADRATIC_UNIT = 0.3    # tuned 0.15 to 0.6: unit of length of quadratic fits, in radii; judged
 
 
 @inlined
 def cholesky(a: np.ndarray, n: int) -> bool:
-    """Factorise the leading n x n block of a (lower triangle) in place; False if degenerate.
+    """Factorise the leading n x n block of a (lower triangle) in place; return False if it is degenerate.
 
     a = L D L^T without square roots: the diagonal becomes 1/D, the entries below it L D.
     """
@@ -64,8 +62,7 @@ def cholesky_solve(a: np.ndarray, b: np.ndarray, n: int) -> None:
 def normal_matrix(matrix: np.ndarray, basis: np.ndarray, w: np.ndarray, size: int, m: int) -> None:
     """Write the lower triangle of sum_k w[0, k] b_k b_k^T of the first rows of a basis over m columns.
 
-    basis, matrix : with rows, or columns, up to a multiple of four: four products are summed at a time, whether
-        they are in the triangle or not
+    basis, matrix : rows, or columns, are padded to a multiple of four, as four products are summed at a time
     """
     for r in range(size):
         for s in range(0, r + 1, 4):
@@ -105,10 +102,10 @@ def eliminate(a: np.ndarray, b: np.ndarray, n: int) -> bool:
 
 @subkernel
 def second_moment(m: np.ndarray, i: int, cloud: Cloud, radius2: float, power: int) -> int:
-    """Sum w r r^T over the neighbours of i, lengths in units of the radius.
+    """Write the sum of w r r^T over the neighbours of i, lengths in units of the radius; return their number.
 
-    w is the quartic weight over r^power: power 2 for SFDI, 0 for Zheng et al. 2017 Eq. 28.
-    Dry wall particles are skipped. Returns the number of neighbours in the sum.
+    w is the quartic weight over r^power: power 2 for SFDI, 0 for Zheng et al. 2017 Eq. 28. Dry wall particles are
+    skipped.
     """
     x, dim, found = cloud.x, len(cloud.axes), 0
     for a in range(dim):

@@ -1,4 +1,4 @@
-"""Changes of what fluid has and walls do not."""
+"""Changes of fields of the fluid."""
 
 import math
 
@@ -10,8 +10,8 @@ from parisph.kernels.jit import kernel
 
 @kernel
 def add_to_fluid(values: np.ndarray, change: np.ndarray, kind: np.ndarray) -> None:
-    """Add a change (n, dim) to the values (n, dim) of the particles that are fluid."""
-    three = values.shape[1] == 3    # a loop over so few takes twice as long
+    """Add a change (n, dim) to the values (n, dim) of fluid particles."""
+    three = values.shape[1] == 3    # a loop takes twice as long
     for i in range(len(values)):
         if kind[i] == FLUID:
             values[i, 0] += change[i, 0]
@@ -22,7 +22,7 @@ def add_to_fluid(values: np.ndarray, change: np.ndarray, kind: np.ndarray) -> No
 
 @kernel
 def give_to_fluid(values: np.ndarray, new: np.ndarray, kind: np.ndarray) -> None:
-    """Give new values (n, dim) to the particles that are fluid."""
+    """Give new values (n, dim) to fluid particles."""
     three = values.shape[1] == 3
     for i in range(len(new)):
         if kind[i] == FLUID:
@@ -34,7 +34,7 @@ def give_to_fluid(values: np.ndarray, new: np.ndarray, kind: np.ndarray) -> None
 
 @kernel
 def carry(u: np.ndarray, grad_u: np.ndarray, move: np.ndarray) -> None:
-    """Add what velocities u (n, dim) differ by over a move (n, dim) [m], by their gradient (n, dim, dim) [1/s]."""
+    """Add the change of velocities u (n, dim) over a move (n, dim) [m], by their gradient (n, dim, dim) [1/s]."""
     for i in range(len(move)):
         for a in range(move.shape[1]):
             for b in range(move.shape[1]):
@@ -43,7 +43,7 @@ def carry(u: np.ndarray, grad_u: np.ndarray, move: np.ndarray) -> None:
 
 @kernel
 def along(direction: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Return the component of vectors f (n, dim) in the directions (n, dim) of their particles: (n,)."""
+    """Return the component (n,) of vectors f (n, dim) along the directions (n, dim)."""
     out, three = np.empty(len(f)), f.shape[1] == 3
     for i in range(len(f)):
         out[i] = direction[i, 0] * f[i, 0] + direction[i, 1] * f[i, 1]
@@ -55,9 +55,9 @@ def along(direction: np.ndarray, f: np.ndarray) -> np.ndarray:
 @kernel
 def accelerate(u: np.ndarray, acceleration: np.ndarray, by_pressure: np.ndarray, grad: np.ndarray, force: np.ndarray,
                density: float, dt: float, kind: np.ndarray) -> None:
-    """Add dt times the acceleration f - grad/rho to the velocities of fluid, and write it for all particles.
+    """Add dt (f - grad/rho) to the velocities of fluid, and write the acceleration of all particles.
 
-    u : (n, dim) [m/s], changed; acceleration : (n, dim), by_pressure : (n,), output, |grad|/rho [m/s^2]
+    u : (n, dim) [m/s], changed; acceleration : (n, dim), by_pressure : (n,), outputs, |grad|/rho [m/s^2]
     grad : (n, dim) [Pa/m]; force : (n_all, dim), per unit mass [m/s^2]; density [kg/m^3]; dt [s]; kind : (n,)
     """
     for i in range(len(u)):

@@ -1,9 +1,8 @@
-"""The neighbours of one particle in consecutive columns, for vector instructions.
+"""Neighbours of one particle in consecutive columns, for vector instructions.
 
-near[a, k] is coordinate a of neighbour k relative to the particle. Loops over k contain no branches,
-so that the compiler processes LANES neighbours at a time. The columns are padded to a multiple of
-LANES with points so FAR away that their weight is exactly zero, so that no slow scalar loop is left
-for a remainder.
+near[a, k] is coordinate a of neighbour k relative to the particle. Loops over k have no branches, so that the compiler
+processes LANES neighbours at a time. Columns are padded to a multiple of LANES with points so FAR away that their
+weight is exactly zero, so that no scalar loop remains.
 """
 
 import math
@@ -16,11 +15,10 @@ from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
-LANES = 8    # two vectors: with 4, a loop that takes two at a time leaves a slow rest (5 % of rows and densities)
+LANES = 8    # two vectors: with 4, loops unrolled by two leave a slow remainder (5 % of rows and densities)
 FAR = 8.0  # in units of the radius of the weight
 
-# Weights of least squares that are not the quartic weight over a power of r: the cubic spline W whose
-# support is the radius, and its slope -W'/r.
+# Other weights of least squares: the cubic spline W whose support is the radius, and its slope -W'/r.
 SPLINE, SPLINE_SLOPE = -1, -2
 
 
@@ -28,7 +26,7 @@ class Form(NamedTuple):
     """A linear fit by weighted least squares.
 
     radius : of the weight [m]; power : of the weight (`weights`)
-    floor : of det/(trace/dim)^dim of the neighbours' moment, below which they are too few or too flat
+    floor : value of det/(trace/dim)^dim of the neighbours' moment below which they are too few or too flat
     """
 
     radius: float
@@ -38,32 +36,31 @@ class Form(NamedTuple):
 
 @subkernel
 def room_for(indptr: np.ndarray) -> int:
-    """Return the number of columns that scratch arrays need for any row, including the particle itself."""
+    """Return the number of columns that any row needs, including the particle itself."""
     longest = 0
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])
     return (longest + LANES) // LANES * LANES
 
 
-# Half a spacing, squared, in units of the radius. Closer than that, the weight 1/r^2 of a pair exceeds
-# all others, and its pressure difference over its distance has no bound.
+# About half a spacing, squared. The weight 1/r^2 of a closer pair would exceed all others, and its pressure difference
+# over its distance would be unbounded.
 CLOSE = 0.0625    # tuned 0.03125 to 0.125: square of the distance in radii below which the weight 1/r^2 stays; judged
 
 
 @inlined
 def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float) -> np.int64:
-    """Write the neighbours of i that are used in stencils, in units of the radius.
+    """Write the neighbours of i that stencils use, in units of the radius; return their number.
 
-    near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
-    Returns the number of neighbours.
+    near : (dim, columns from `room_for`); member : int32, their indices, from `first` on
     """
     x, axes = cloud.x, cloud.axes
-    # all indices are unsigned, so that numba adds no test for negative ones
+    # unsigned indices, so that numba adds no test for negative ones
     n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
     for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
         j = np.uint32(cloud.indices[k])
-        member[np.uint32(start + n)] = j  # overwritten by the next one if j is not used
+        member[np.uint32(start + n)] = j  # the next one overwrites it if j is not used
         near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale
         if len(axes) == 3:
             near[2, n] = (x[j, 2] - cz) * scale
@@ -74,7 +71,7 @@ def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Clou
 @inlined
 def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, cloud: Cloud, radius: float,
                   reach: float) -> np.int64:
-    """Write the neighbours as `gather` does, but only those nearer than the reach: lists may reach farther."""
+    """Write the neighbours as `gather` does, but only those within the reach."""
     x, axes = cloud.x, cloud.axes
     n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
@@ -95,7 +92,7 @@ def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, clou
 
 @inlined
 def fill_up(near: np.ndarray, n: int, axes: tuple[int, ...]) -> int:
-    """Pad the first n columns with points without weight; return the number of columns in use."""
+    """Pad n columns with points of zero weight; return the number of columns in use."""
     m = (n + LANES - 1) // LANES * LANES
     for k in range(n, m):
         for a in range(len(axes)):
@@ -105,7 +102,7 @@ def fill_up(near: np.ndarray, n: int, axes: tuple[int, ...]) -> int:
 
 @inlined
 def weigh(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tuple[int, ...]) -> None:
-    """Write the least-squares weight of each neighbour, as `weights`, and its products with the coordinates.
+    """Write the least-squares weight of each neighbour (`weights`) and its products with the coordinates.
 
     weighted : (1 + dim, columns): w, then w near[a]
     """
@@ -119,8 +116,8 @@ def weigh(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tupl
 def weights(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tuple[int, ...]) -> None:
     """Write the least-squares weight of each neighbour to row 0.
 
-    It is the quartic weight over r^power (power 0 or 2; with 2, a neighbour at the particle's own position has no
-    direction and no weight, and 1/r^2 stops growing at a quarter of the radius), or SPLINE or SPLINE_SLOPE.
+    It is SPLINE, SPLINE_SLOPE, or the quartic weight over r^power, with power 0 or 2. With 2, a coincident neighbour
+    has no weight, and 1/r^2 stops growing at a quarter of the radius.
     """
     if power < 0:
         _weights_by_spline(weighted, near, power, m, axes)
@@ -137,7 +134,7 @@ def weights(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tu
 
 @inlined
 def _weights_by_spline(weighted, near, power, m, axes):
-    """Weigh with the cubic spline or its slope, lengths in units of its support 2h."""
+    """Write weights by the cubic spline or its slope, lengths in units of its support 2h."""
     dim = len(axes)
     for k in range(m):
         q2 = 0.0
@@ -151,10 +148,9 @@ def _weights_by_spline(weighted, near, power, m, axes):
 @inlined
 def sum_moments(moments: np.ndarray, q: int, weighted: np.ndarray, near: np.ndarray, m: int,
                 axes: tuple[int, ...]) -> float:
-    """Write the sums of w, w x_a and w x_a x_b (in the order 00, 10, 11, 20, 21, 22) to column q, with the weights of
-    row 0; return the number of neighbours that have a weight.
+    """Write the sums of w, w x_a and w x_a x_b (00, 10, 11, 20, 21, 22), with w in row 0, to column q.
 
-    The sums are named scalars, which stay in registers.
+    Returns the number of neighbours with a weight. The sums are scalars, which stay in registers.
     """
     dim = len(axes)
     found, s, sx, sy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -186,7 +182,7 @@ def sum_moments(moments: np.ndarray, q: int, weighted: np.ndarray, near: np.ndar
 @inlined
 def sum_changes(sums: np.ndarray, weighted: np.ndarray, near: np.ndarray, change: np.ndarray, c: int, m: int,
                 axes: tuple[int, ...]) -> None:
-    """Write the sums of w f and w f x_a, (1 + dim,), with the weights of row 0 and f in row c of `change`."""
+    """Write the sums of w f and w f x_a, (1 + dim,), with w in row 0 and f in row c of `change`."""
     s, sx, sy, sz = 0.0, 0.0, 0.0, 0.0
     for k in range(m):
         v = weighted[0, k] * change[c, k]

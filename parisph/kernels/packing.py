@@ -1,6 +1,6 @@
-"""Packing: fluid that fills a scene moves away from where it is crowded, until it lies evenly up to slopes.
+"""Packing: the fluid of a scene moves away from crowded places until it lies evenly up to slopes.
 
-Then each particle gets the volume of all places to which it is nearest.
+Each particle then gets the volume of all places nearest to it.
 """
 
 import math
@@ -20,20 +20,19 @@ STEPS = 100       # tuned 50 to 200: steps of the packing; judged
 STRENGTH = 0.3    # tuned 0.15 to 0.6: strength of a shift of the packing, in h^2; judged
 # Lengths in spacings.
 CAP = 0.1         # tuned 0.05 to 0.2: longest shift of the packing, in spacings; judged
-GUARD = 0.5       # tuned 0.25 to 1: fluid comes no closer to a wall; judged
-LEVEL = 2.1       # tuned 1.05 to 4.2: as near to the surface particles move level only, so that it stays flat; judged
-FLAT = 0.5        # tuned 0.25 to 1: rise of the surface within LEVEL beyond which they do not move; judged
+GUARD = 0.5       # tuned 0.25 to 1: least distance of fluid from a wall, in spacings; judged
+LEVEL = 2.1       # tuned 1.05 to 4.2: distance from the surface within which moves are level, to keep it flat; judged
+FLAT = 0.5        # tuned 0.25 to 1: rise of the surface within LEVEL above which particles rest; judged
 
 
 def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: Table) -> np.ndarray:
     """Return the move (n_owned, dim) [m] of the inner fluid in one of STEPS steps.
 
-    It is a shift down the gradient of the completed density. Particles of other roles stay, and so does fluid that
-    fills a lattice in front of flat walls.
+    It is a shift down the gradient of the completed density. Particles of other roles stay, and so does a lattice in
+    front of flat walls.
 
-    weight : (n_all,); area : (n_all, dim); table : as for density.completed_density. Walls above the water should not
-        count: elements above its level, and nodes more than a spacing above it. Then the surface has no gradient at
-        the walls.
+    weight, area, table : (n_all,), (n_all, dim), as for density.completed_density. Elements above the water level, and
+        nodes more than a spacing above it, should not count, so that the surface has no gradient at the walls.
     """
     n, s = len(cloud.indptr) - 1, cloud.spacing
     gradient, move = np.empty((2, n, len(cloud.axes)))
@@ -46,11 +45,11 @@ def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarra
 
 @kernel
 def level_off(move: np.ndarray, cloud: Cloud, reach: float, flat: float) -> None:
-    """Take the vertical part, that along the last axis, from moves (n_owned, dim) of particles near a level surface.
+    """Remove the vertical part, along the last axis, of moves (n_owned, dim) near a level surface; near others, all of
+    it.
 
-    Beside a surface that is not level, as the side of a column of water, particles stay.
-
-    reach : [m], within which a fluid particle that is not inner makes a surface; flat : [m], by which that may rise
+    reach : distance [m] to fluid that is not inner, within which the surface is near; flat : rise of a level surface
+        [m]
     """
     x, dim = cloud.x, len(cloud.axes)
     for i in range(len(cloud.indptr) - 1):
@@ -70,11 +69,12 @@ def level_off(move: np.ndarray, cloud: Cloud, reach: float, flat: float) -> None
 
 
 def volumes(x: np.ndarray, samples: Iterable[tuple[np.ndarray, np.ndarray]], spacing: float) -> np.ndarray:
-    """Return the volume (n,) [m^dim] of the places that are nearest to each fluid particle x (n, dim) [m].
+    """Return the volume (n,) [m^dim] of the places nearest to each fluid particle x (n, dim) [m].
 
-    samples : places (m, dim) [m] and the volumes (m,) around them, in parts (geometry.quadrature.samples). Give
-        ghosts, too, and places as far as a rank's own particles are the nearest; the volumes of its own are then
-        right.
+    The volumes of owned particles are correct if x includes ghosts and the places cover all those nearest to owned
+    particles.
+
+    samples : chunks of places (m, dim) [m] and the volumes (m,) around them (geometry.quadrature.samples)
     """
     found = np.zeros(len(x))
     for places, volume in samples:

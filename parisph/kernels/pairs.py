@@ -1,4 +1,4 @@
-"""Close pairs of fluid: their lists, turning where the fluid is strained, parting where it has no pressure."""
+"""Close pairs of fluid: their lists, rotation in strained fluid, and separation without pressure."""
 
 import math
 
@@ -8,13 +8,12 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
-# between the line of a pair and the direction in which it parts
 TILT = math.pi / 6.0    # tuned 3 to 12: pi over the angle between a pair and the direction in which it parts; judged
 
 
 @inlined
 def _hash(first, second):
-    """Return 32 bits that depend on two ids, in either order, and on nothing else."""
+    """Return 32 bits that depend on the unordered pair of ids only."""
     low, high = np.uint64(min(first, second)), np.uint64(max(first, second))
     h = (low * np.uint64(2654435761) + high * np.uint64(40503)) & np.uint64(0xFFFFFFFF)
     h = (((h >> np.uint64(13)) ^ h) * np.uint64(1274126177)) & np.uint64(0xFFFFFFFF)
@@ -23,16 +22,16 @@ def _hash(first, second):
 
 @subkernel
 def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple[int, ...]) -> None:
-    """Write a vector across d, of its length (3D: at most), to one side or the other by the ids of the pair.
+    """Write a vector normal to d, of its length (3D: at most), on a side that depends on the ids of the pair.
 
-    It changes its sign with d, so that the sum over a pair is zero.
+    Its sign changes with that of d, so that the sum over a pair is zero.
     """
     h = _hash(first, second)
     sign = 1.0 if h & np.uint64(1) else -1.0
     if len(axes) == 2:
         side[0], side[1] = -sign * d[1], sign * d[0]
         return
-    # an axis that is uniform on the sphere, by the bits that are left
+    # an axis uniformly distributed on the sphere, from the other bits
     z = 2.0 * ((h >> np.uint64(1)) & np.uint64(0x7FFF)) / 0x7FFF - 1.0
     angle = 2.0 * math.pi * ((h >> np.uint64(16)) & np.uint64(0xFFFF)) / 0x10000
     rest = math.sqrt(max(0.0, 1.0 - z * z))
@@ -41,7 +40,7 @@ def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple
 
 
 def close_pairs(cloud: Cloud, distance: float) -> Cloud:
-    """Return a cloud with lists of close pairs: of fluid with fluid nearer than the distance [m], not in one place.
+    """Return a cloud with lists of fluid pairs closer than the distance [m] but not coincident.
 
     The functions below take such clouds.
     """
@@ -64,7 +63,7 @@ def _close_lists(cloud, distance):
                 r2 = dx * dx + dy * dy
                 if len(axes) == 3:
                     r2 += (x[j, 2] - cz) ** 2
-                if (r2 < distance2) & (0.0 < r2) & (kind[j] == FLUID):    # few are, which a processor foresees
+                if (r2 < distance2) & (0.0 < r2) & (kind[j] == FLUID):    # rare, so well predicted
                     close[n] = j
                     n += np.uint32(1)
         start[i + 1] = n
@@ -73,9 +72,9 @@ def _close_lists(cloud, distance):
 
 @kernel
 def turn_pairs(shift: np.ndarray, cloud: Cloud, ident: np.ndarray, strength: np.ndarray, distance: float) -> None:
-    """Turn close pairs of inner particles: a lattice that is compressed has no gradient of concentration.
+    """Rotate close pairs of inner particles, as a compressed lattice has no gradient of concentration.
 
-    Each particle of a pair moves across its line, by (1 - r/distance) times half the mean of their strengths.
+    Each particle of a pair moves normal to its line, by (1 - r/distance) times half the mean of their strengths.
 
     shift : (n_owned, dim) [m], to which the moves are added; ident : (n_all,); strength : (n_all,) [m]; distance [m]
     """
@@ -97,7 +96,7 @@ def turn_pairs(shift: np.ndarray, cloud: Cloud, ident: np.ndarray, strength: np.
 
 @kernel
 def count_close(number: np.ndarray, cloud: Cloud, distance: float) -> None:
-    """Count the pairs of each particle nearer than the distance [m] that are not both inner: number (n_owned,)."""
+    """Write the number of pairs of each particle within the distance [m] that are not both inner: number (n_owned,)."""
     role, d = cloud.role, np.empty(len(cloud.axes))
     for i in range(len(number)):
         number[i] = 0
@@ -110,11 +109,11 @@ def count_close(number: np.ndarray, cloud: Cloud, distance: float) -> None:
 @kernel
 def part_pairs(shift: np.ndarray, cloud: Cloud, number: np.ndarray, ident: np.ndarray, distance: float,
                strength: float) -> None:
-    """Part close pairs of which at least one particle has no pressure equation (jets, drops, films).
+    """Separate close pairs of which at least one particle has no pressure equation (jets, drops, films).
 
-    A pair parts by strength (distance - r), divided by the larger number of such pairs of the two,
-    so that no sum of moves exceeds it. It parts along its line turned by TILT to one side or the other:
-    particles in one line then form a column again, and not a point.
+    A pair separates by strength (distance - r), divided by the larger number of such pairs of the two, which limits the
+    sum. The direction is the pair's line turned by TILT to either side: particles on one line then form a column again
+    instead of a point.
 
     shift : (n_owned, dim) output [m]; number : (n_all,) of `count_close`; ident : (n_all,); distance [m]
     """
@@ -143,14 +142,13 @@ def keep_apart(move: np.ndarray, near: np.ndarray, cloud: Cloud, ident: np.ndarr
                longest: float) -> tuple[int, int]:
     """Sum the moves that bring each pair to the distance [m], half each, along its line turned by TILT.
 
-    For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.
+    For repeated sweeps: the sum is exact for an isolated pair, and limited in a crowd.
 
-    move : (n_owned, dim), at most `longest` [m]; changed only at the particles that are looked at, 0 before the first
-        sweep
-    near : int32, the owned particles to look at, all in the first sweep; those that have a neighbour which the next
-        sweep may bring too near are moved to its beginning
+    move : (n_owned, dim), at most `longest` [m]; written at the particles examined, 0 before the first sweep
+    near : int32, the owned particles to examine, all in the first sweep; those that the next sweep may bring too close
+        to a neighbour are moved to the front
     ident : (n_all,)
-    Returns the number of particles with a neighbour nearer than the distance, and how many are left in `near`.
+    Returns the number of particles with a neighbour within the distance, and how many remain in `near`.
     """
     indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
@@ -185,7 +183,7 @@ def keep_apart(move: np.ndarray, near: np.ndarray, cloud: Cloud, ident: np.ndarr
 
 @inlined
 def _any_within(reach, i, cloud):
-    """Return whether a neighbour of i is nearer than the reach; without branches, as most have none."""
+    """Return whether a neighbour of i is within the reach; without branches, as most have none."""
     x, found = cloud.x, False
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = np.uint32(cloud.indices[k])

@@ -1,7 +1,7 @@
-"""The potential flow around each particle: a fit to the velocities of its neighbours and across walls.
+"""Local potential flow: a fit to the velocities of neighbours and across walls.
 
-Waves are irrotational. What a velocity has beyond the gradient of a harmonic function is an error of the method:
-roughness, a residual divergence, or a vortex that the small errors of the pressure gradient drive for many periods.
+Waves are irrotational. The part of a velocity beyond the gradient of a harmonic function is a numerical error:
+roughness, a residual divergence, or a vortex that small errors of the pressure gradient drive for many periods.
 """
 
 from typing import NamedTuple
@@ -16,10 +16,10 @@ from parisph.kernels.records import Cloud
 
 
 class Potential(NamedTuple):
-    """The potential flow that a velocity is close to.
+    """The potential flow closest to a velocity.
 
-    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it
-    gradient : (n_owned, dim, dim) [1/s], its velocity gradient at fluid and wet walls, seen from the tank
+    beyond : (n_owned, dim) [m/s], the velocity of fluid minus the fit
+    gradient : (n_owned, dim, dim) [1/s], velocity gradient at fluid and wet walls, relative to the tank
     square : (n_owned,) [1/s^2], the sum of the squares of its second derivatives
     """
 
@@ -30,11 +30,11 @@ class Potential(NamedTuple):
 
 @kernel
 def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.Slopes, radius: float) -> None:
-    """Fit u = grad f around fluid and wet walls, with f a harmonic polynomial of degree 3.
+    """Fit u = grad f around fluid and wet walls, with a harmonic polynomial f of degree 3.
 
-    Where that takes more data than there are, as at walls in the edges of a box, it is of degree 2. The data are the
-    velocities of the fluid within the radius, the particle itself included, and those across walls. All is 0 where the
-    data do not determine f.
+    The degree is 2 where data are too few, as at walls in the edges of a box. The data are the velocities of the fluid
+    within the radius, the particle itself included, and those across walls. All outputs are 0 where the data do not
+    determine f.
 
     u : (n_all, dim) [m/s]; across : n . u of walls with one normal [m/s]; radius : of the weight [m]
     """
@@ -64,7 +64,7 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
             if dim == 2:
                 _add_moments(fit, weight, near, v, m)
             sound = harmonic.solve(fit, size, less, np.inf, axes)
-        if data > less and not sound:    # not in a loop: of a number that is known the code is faster
+        if data > less and not sound:    # not a loop: the code is faster with constant sizes
             harmonic.assemble(fit, last, less, axes)
             if dim == 2:
                 _add_moments(fit, weight, near, v, m)
@@ -77,7 +77,7 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
 
 @subkernel
 def _only_fluid(cloud):
-    """Return the cloud with all fluid, and no wall, in stencils."""
+    """Return the cloud with all fluid and no wall in stencils."""
     x, kind, _, normal, corner, volume, indptr, indices, spacing, axes = cloud
     role = np.where(kind == FLUID, np.int8(INNER), np.int8(DRY))
     return Cloud(x, kind, role, normal, corner, volume, indptr, indices, spacing, axes)
@@ -105,14 +105,14 @@ def _add_columns(fit, weight, near, v, m, axes):
             if len(axes) == 3:
                 z = near[2, k]
             harmonic.fill_slopes(fit.b, a * m + k, (near[0, k], near[1, k], z), along, axes)
-        for k in range(m):    # in a loop of its own, which is vectorised
+        for k in range(m):    # a separate loop is vectorised
             fit.w[0, a * m + k], fit.b[last, a * m + k] = weight[0, k], v[a, k]
     return len(axes) * m
 
 
 @inlined
 def _add_moments(fit, weight, near, v, m):
-    """Add the moments of m velocities in 2D, which nine sums give: u - i v is a polynomial of x + i y."""
+    """Add the moments of m velocities in 2D from nine sums: u - i v is a polynomial of x + i y."""
     work, right = fit.work, fit.right
     s, sx, sy, sd, se, sr, rx, ry, rr, r0, r1, r2, r3, r4, r5 = _sums(weight, near, v, m)
     work[0, 0] += s
@@ -143,7 +143,7 @@ def _add_moments(fit, weight, near, v, m):
 
 @inlined
 def _sums(weight, near, v, m):
-    """Return nine weighted sums over m places, and six over velocities: named scalars, which stay in registers."""
+    """Return nine weighted sums over m places, and six over velocities, as scalars, which stay in registers."""
     s, sx, sy, sd, se, sr, rx, ry, rr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     r0, r1, r2, r3, r4, r5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(m):
@@ -169,7 +169,7 @@ def _sums(weight, near, v, m):
 
 @inlined
 def _curve(gradient, i, c, unit, axes):
-    """Write the second derivatives, by the coefficients of degree 2; return the sum of their squares."""
+    """Write the second derivatives from the coefficients of degree 2; return the sum of their squares."""
     if len(axes) == 2:
         gradient[i, 0, 0], gradient[i, 0, 1] = 2.0 * c[2] / unit, c[3] / unit
         gradient[i, 1, 0], gradient[i, 1, 1] = gradient[i, 0, 1], -gradient[i, 0, 0]

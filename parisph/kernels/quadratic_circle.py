@@ -18,10 +18,9 @@ def quadratic_rankine_rows(rows: Rows, cloud: Cloud, circle: Circle) -> None:
     """Fill the rows of inner particles with the mean over a circle or sphere of a quadratic fit.
 
     mean p - p_I = (R^2/2 dim) lap p (Zheng, Ma & Duan 2014, Eqs. 21-23 and 33), as in `rankine`, where p is
-    interpolated linearly and the row needs another normalisation. A quadratic interpolant has the second moment of
-    the circle itself, so that the row is exact for quadratics on any particles with R as printed. Values may be
-    negative. A row is given up if the neighbours of a point do not span the polynomials of degree 2, 6 in 2D and
-    10 in 3D.
+    interpolated linearly and the row needs another normalisation. A quadratic interpolant has the second moment of the
+    circle itself, so the row is exact for quadratics on any particles with R as printed. Values may be negative. A row
+    is dropped if the neighbours of a point do not span the polynomials of degree 2, 6 in 2D and 10 in 3D.
 
     circle : R is about one spacing, and the lists should reach to R + radius
     """
@@ -41,7 +40,7 @@ def quadratic_rankine_rows(rows: Rows, cloud: Cloud, circle: Circle) -> None:
         first = indptr[i]
         n = gather(basis, rows.columns, first, i, cloud, scale)
         for a in range(dim):
-            basis[a, n] = 0.0  # the particle itself comes last
+            basis[a, n] = 0.0  # the particle itself is last
         m = fill_up(basis, n + 1, axes)
         fill_basis(basis, m, axes)
         for k in range(m):
@@ -56,7 +55,7 @@ def quadratic_rankine_rows(rows: Rows, cloud: Cloud, circle: Circle) -> None:
 
 @inlined
 def _add_shape(mean, w, basis, at, q, system, m, axes):
-    """Add the shape functions at point q, w_k b(x_q) . M^-1 b_k with M = sum w b b^T. False if M is degenerate.
+    """Add the shape functions at point q, w_k b(x_q) . M^-1 b_k with M = sum w b b^T; False if M is degenerate.
 
     system : (M, right-hand side), scratch
     """

@@ -1,13 +1,13 @@
 """ISPH_R rows: the pressure equation in its Rankine-source weak form.
 
-Zheng, Ma & Duan (2014), Eqs. 21-23 and 33: with phi = ln(r/R)/2 pi the mean of p over the
-circle of radius R about particle I, minus p_I, equals (R^2/4) lap p + O(R^4). The mean is
-taken over K points, where p is interpolated by linear moving least squares.
+Zheng, Ma & Duan (2014), Eqs. 21-23 and 33: with phi = ln(r/R)/2 pi the mean of p over the circle of radius R around
+particle I, minus p_I, equals (R^2/4) lap p + O(R^4). The mean is taken over K points, where p is interpolated by linear
+moving least squares.
 
-This interpolant does not pass through the particles: it adds its own second moment to that of the
-circle, 3.1 R^2 in 2D and 4.4 R^2 in 3D at R = s/2. The row is therefore normalised by its result for
-a parabola, M = sum_J A_IJ |x_J - x_I|^2, instead of R^2. As printed, the Laplacian is too large by
-M/R^2 at every resolution: 4.14 in 2D and 5.41 in 3D on the lattice.
+This interpolant does not pass through the particles: it adds its own second moment to that of the circle, 3.1 R^2 in 2D
+and 4.4 R^2 in 3D at R = s/2. The row is therefore normalised by its result for a parabola, M = sum_J A_IJ |x_J -
+x_I|^2, instead of R^2. As printed, the Laplacian is too large by M/R^2 at every resolution: 4.14 in 2D and 5.41 in 3D
+on the lattice.
 """
 
 import math
@@ -25,13 +25,12 @@ from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
 from parisph.kernels.records import Cloud, Flux, Rows
 from parisph.kernels.smoothing import quartic_weight
 
-# Limits on negative weights, relative to the sum of a row. A jitter of 1.2 spacings gives -0.03; making
-# the row of a particle in a drop isotropic can give any value.
+# A jitter of 1.2 spacings gives -0.03. Making the row of a particle in a drop isotropic can give any value.
 NEGATIVE = 0.1  # tuned 0.05 to 0.2: negative weight over the sum, up to which a row is made isotropic; judged
 # A row beyond this gave a drop at the lid fourteen times the pressure of all the water.
-UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum of a row, from which on it is given up; measured
-WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, in that of the weight; judged
-# A row has no Laplacian if it extrapolates, or gives next to nothing for a parabola.
+UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum, above which a row is dropped; measured
+WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, over that of the weight; judged
+# A row has no Laplacian if it extrapolates, or if its result for a parabola is almost zero.
 COVERED = 0.05  # tuned 0.025 to 0.1: least weight of the neighbours at the points of the circle; judged
 CURVED = 0.1    # tuned 0.05 to 0.2: least result of a row for a parabola, over R^2; judged
 
@@ -39,10 +38,10 @@ CURVED = 0.1    # tuned 0.05 to 0.2: least result of a row for a parabola, over 
 def directions(dim: int, count: int | None = None) -> np.ndarray:
     """Return unit vectors spread evenly over the circle or the sphere: (K, dim).
 
-    2D: `count` (default 8) points; 3D: the 12 corners of the icosahedron, whose mean
-    integrates polynomials up to degree five exactly. With six points in 2D rows cost a fifth less, and errors are the
-    same within 1 %, but rows on a square lattice change with a quarter turn. With four, rows cost a third less; errors
-    of small sloshing with 200, 800 and 3200 particles are then .045, .0154 and .0102 in place of .040, .0165 and .0113.
+    2D: `count` (default 8) points. 3D: the 12 corners of the icosahedron, whose mean integrates polynomials up to
+    degree five exactly. With six points in 2D rows cost a fifth less and errors change by less than 1 %, but rows on a
+    square lattice change with a quarter turn. With four, rows cost a third less; errors of small sloshing with 200, 800
+    and 3200 particles are then .045, .0154 and .0102 instead of .040, .0165 and .0113.
     """
     if dim == 2:
         angle = 2.0 * np.pi * np.arange(count or 8) / (count or 8)
@@ -57,7 +56,7 @@ def directions(dim: int, count: int | None = None) -> np.ndarray:
 def rankine_rows(rows: Rows, flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle, normalised: bool) -> None:
     """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
-    A row with too few neighbours becomes their mean, with measure 0. Else the measure is M/(2 dim), or R^2/(2 dim) as
+    A row with too few neighbours becomes their mean, with measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as
     printed [m^2].
 
     u : (n_all, dim) [m/s]; normalised : whether by M
@@ -91,14 +90,13 @@ def rankine_rows(rows: Rows, flux: Flux, cloud: Cloud, u: np.ndarray, circle: Ci
 
 @inlined
 def _make_isotropic(mean, basis, w, m, matrix, right, axes):
-    """Remove the harmonic second moment from a row by the smallest weighted change.
+    """Remove the harmonic second moment from a row by the smallest weighted change. Overwrites w[0] and w[1].
 
-    The mean over the circle of X^2 - Y^2 and of XY is zero. On disordered particles the moving
-    least squares leave a remainder: an error of order one in the Laplacian that refinement does not
-    remove. Rows whose neighbours do not span the harmonic polynomials stay unchanged. A change that
-    would make a weight less than -NEGATIVE times the row's sum is made in part only: with the
-    minimum number of neighbours a row would be the same for each particle of a drop. w[0] and w[1]
-    are overwritten.
+    The mean over the circle of X^2 - Y^2 and of XY is zero. On disordered particles the moving least squares leave a
+    remainder, an error of order one in the Laplacian that does not vanish with refinement. Rows whose neighbours do not
+    span the harmonic polynomials stay unchanged. The change is scaled down if it would make a weight less than
+    -NEGATIVE times the row's sum: with the minimum number of neighbours, all particles of a drop would have the same
+    row.
     """
     size = basis_size(axes)
     total = 0.0
@@ -107,7 +105,7 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
         w[0, k] = quartic_weight(basis[size, k], WIDER * WIDER)
     for r in range(size):
         right[r] = dot(mean, 0, basis, r, m)
-        for s in range(0, r + 1, 4):  # four at a time, whether they are in the lower triangle or not
+        for s in range(0, r + 1, 4):  # four at a time, also beyond the lower triangle
             matrix[r, s], matrix[r, s + 1], matrix[r, s + 2], matrix[r, s + 3] = dot4(basis, r, w, basis, s, m)
     if cholesky(matrix, size):
         cholesky_solve(matrix, right, size)
@@ -129,11 +127,9 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
 
 @inlined
 def _mean_over_circle(mean, basis, m, circle):
-    """Return the means over the circle of the weights of neighbours [-] and of their r^2 [m^2], and whether a row with
-    them is sound.
+    """Return the means over the circle of neighbours' weights [-] and of their r^2 [m^2], and whether the row is sound.
 
-    It has no Laplacian if its result for a parabola is almost zero, or if it extrapolates from neighbours that all lie
-    on one side.
+    It is unsound if its result for a parabola is almost zero, or if it extrapolates from neighbours on one side.
     """
     points, total, spread, lowest = len(circle.unit), 0.0, 0.0, 0.0
     for k in range(m):
@@ -148,7 +144,7 @@ def _mean_over_circle(mean, basis, m, circle):
 
 @inlined
 def _store(rows, flux, i, total, mean, cloud, u, circle):
-    """Write a row and a stencil by the sums over the circle, and sum the flux of u."""
+    """Write a row and a stencil from the sums over the circle, and sum the flux of u."""
     first, points, dim = cloud.indptr[i], len(circle.unit), len(cloud.axes)
     scale, outflow = 1.0 / (points * total), dim / (circle.size * points)
     change, ux, uy = 0.0, u[i, 0], u[i, 1]
@@ -169,7 +165,7 @@ def _store(rows, flux, i, total, mean, cloud, u, circle):
 
 @inlined
 def _store_mean(rows, flux, i, cloud):
-    """Write the mean of the neighbours in place of a row, and a stencil of zeros."""
+    """Write the mean of the neighbours as a row, and a stencil of zeros."""
     rows.measure[i] = flux.div[i] = 0.0
     for k in range(cloud.indptr[i], cloud.indptr[i] + rows.count[i]):
         rows.values[k] = 1.0 / rows.count[i]
@@ -179,7 +175,7 @@ def _store_mean(rows, flux, i, cloud):
 
 @kernel
 def divergence(out: np.ndarray, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
-    """Write the divergence of u (n_all, dim) by the stored stencils, (n_owned,) [1/s], 0 but at inner particles."""
+    """Write the divergence of u (n_all, dim) by the stored stencils, (n_owned,) [1/s], 0 outside inner particles."""
     count, columns, stencil, _ = flux
     indptr, axes = cloud.indptr, cloud.axes
     for i in range(len(indptr) - 1):
@@ -200,8 +196,7 @@ class Invariants(NamedTuple):
     """Invariants of the velocity gradient G = grad u at inner particles, (n_owned,) each, 0 elsewhere.
 
     square : tr(G^2) [1/s^2]; div : tr(G), the flux divergence [1/s]
-    rate : sqrt(2 G:G), at which neighbours move relative to each other: a shear rate, or twice a rotation's angular
-        velocity [1/s]
+    rate : sqrt(2 G:G) [1/s], the rate of relative motion of neighbours: a shear rate, or twice an angular velocity
     """
 
     square: np.ndarray
@@ -223,7 +218,7 @@ def gradient_invariants(out: Invariants, flux: Flux, cloud: Cloud, u: np.ndarray
         square[i], rate[i], div[i] = 0.0, 0.0, 0.0
         if cloud.role[i] != INNER:
             continue
-        # named scalars, which stay in registers
+        # scalars stay in registers
         xx, xy, yx, yy, xz, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])

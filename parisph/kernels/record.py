@@ -1,4 +1,4 @@
-"""Sums over the particles, for the record of a step."""
+"""Sums over the particles for the record of a step."""
 
 import math
 
@@ -10,9 +10,9 @@ from parisph.kernels.jit import kernel
 
 @kernel
 def fluid_sizes(vectors: np.ndarray, kind: np.ndarray) -> tuple[float, float, float]:
-    """Return the largest size of the vectors of fluid, the sum of their squares, and the number of fluid particles.
+    """Return the largest length of the vectors of fluid, the sum of their squares, and the number of fluid particles.
 
-    0 without fluid; the first two are not numbers if a vector is not.
+    All are 0 without fluid. The first two are NaN if a vector is.
 
     vectors : (n, dim); kind : (n,)
     """
@@ -31,8 +31,10 @@ def fluid_sizes(vectors: np.ndarray, kind: np.ndarray) -> tuple[float, float, fl
 @kernel
 def step_sums(div: np.ndarray, role: np.ndarray, kind: np.ndarray,
               acceleration: np.ndarray, strained: np.ndarray) -> tuple[float, float, float, float, float, float]:
-    """Return the sum of div^2 over inner particles, their number, that of surface and ballistic ones, the sum of
-    sqrt(acceleration) over fluid, the number of fluid particles, and the sum of what they are strained.
+    """Return six sums for the record of a step.
+
+    These are div^2 and the number of inner particles, the number of surface and ballistic particles,
+    sqrt(acceleration), the number, and `strained` of fluid.
 
     div : [1/s], acceleration : [m/s^2], strained : [-], all (n,); strained may also be (0,), for a sum of 0
     """

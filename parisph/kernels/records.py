@@ -1,7 +1,7 @@
-"""What most kernels take: the particles with their neighbours, and the walls near them.
+"""Arguments that most kernels share: the particles with their neighbours, and the walls near them.
 
-A kernel is `f(out, cloud, walls, field, numbers)`. Records are named tuples of arrays, which numba takes apart at no
-cost; `cloud._replace(kind=...)` makes one with another array.
+A kernel is `f(out, cloud, walls, field, numbers)`. Records are named tuples of arrays, which cost numba nothing;
+`cloud._replace(kind=...)` makes one with another array.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from parisph.kernels.jit import axes_of
 class Cloud(NamedTuple):
     """The particles of a rank, ghosts included, and the CSR neighbour lists of the owned ones.
 
-    x, normal : (n_all, dim), place [m] and, of wall particles, unit normal into the fluid
+    x, normal : (n_all, dim), position [m] and, of wall particles, unit normal into the fluid
     kind, role, corner : (n_all,) int8; volume : (n_all,) [m^dim]
     indptr : (n_owned + 1,) int32; indices : (nnz,) int32
     spacing : [m]; axes : of kernels.jit.axes_of
@@ -33,11 +33,12 @@ class Cloud(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """The wall elements near the particles of a rank, and those that each owned particle sees, as CSR lists.
+    """The wall elements near the particles of a rank, and CSR lists of those that each owned particle sees.
 
-    corners : (M, dim, dim) [m], with the fluid on the left of the way from the first to the second, in 3D on the side
-        from which they are in anticlockwise order; velocity : (M, dim) [m/s]
-    present : (M,), 0 to 1, the part of each element that counts; sticks : (M,) bool, those that fluid sticks to
+    corners : (M, dim, dim) [m]; fluid is on the left of the line from the first to the second corner, in 3D on the side
+        from which the corners are anticlockwise
+    velocity : (M, dim) [m/s]; sticks : (M,) bool, no-slip elements
+    present : (M,), the part of each element that counts, 0 to 1
     indptr : (n_owned + 1,) int32; indices : (nnz,) int32
     """
 
@@ -52,10 +53,10 @@ class Walls(NamedTuple):
 class Rows(NamedTuple):
     """Buffers of matrix rows: row_I(p) = p_I - sum_J values_J p_J, with row_I(p) = -measure_I target_I.
 
-    The target is the Laplacian at inner particles, and the derivative along the normal at walls. Row I starts at
-    indptr[I] of the neighbour lists.
+    The target is the Laplacian at inner particles, and the normal derivative at walls. Row I starts at indptr[I] of the
+    neighbour lists.
 
-    count : (n,) int32, entries of each row beside its diagonal; columns : (nnz,) int32, local; values : (nnz,)
+    count : (n,) int32, entries of each row besides its diagonal; columns : (nnz,) int32, local; values : (nnz,)
     measure : (n,) [m^2], at walls [m]; 0 for a row without a Laplacian or derivative
     """
 
@@ -70,8 +71,8 @@ class Flux(NamedTuple):
 
     Stencil I starts at indptr[I] of the neighbour lists.
 
-    count : (n,) int32; columns : (nnz,) int32: those of the rows if the same kernel fills both
-    flux : (nnz, dim) [1/m]; div : (n,) [1/s], of the velocity that the stencils were filled with
+    count : (n,) int32; columns : (nnz,) int32, those of the rows if the same kernel fills both
+    flux : (nnz, dim) [1/m]; div : (n,) [1/s], of the velocity at filling
     """
 
     count: np.ndarray    # type: ignore[assignment] # instead of the method of tuples
@@ -81,7 +82,7 @@ class Flux(NamedTuple):
 
 
 def no_walls(n_owned: int, dim: int) -> Walls:
-    """Return the Walls of `n_owned` particles without any element near them."""
+    """Return the Walls of `n_owned` particles without elements."""
     none = np.zeros(0, np.int32)
     return Walls(np.empty((0, dim, dim)), np.empty((0, dim)), np.empty(0), np.empty(0, np.bool_),
                  np.zeros(n_owned + 1, np.int32), none)

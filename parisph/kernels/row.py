@@ -1,4 +1,4 @@
-"""What all pressure rows of inner particles have in common: their form, and when one is given up."""
+"""Common form of the pressure rows of inner particles, and operations on matrix rows."""
 
 import math
 
@@ -15,9 +15,9 @@ from parisph.kernels.roles import outside
 def finish_row(rows: Rows, i: int, first: int, n: int, scale: float, sound: bool) -> None:
     """Scale a row to a unit diagonal, from the coefficients of its Laplacian.
 
-    lap p_i = scale sum_k values[first + k] (p_k - p_i) over n neighbours becomes row_i(p) = p_i - sum_k values p_k
-    with row_i(p) = -measure lap p. A row that is not sound, or that extrapolates from neighbours on one side (a
-    value less than -UNSOUND times the sum), is given up: it has no entries, and measure 0.
+    lap p_i = scale sum_k values[first + k] (p_k - p_i) over n neighbours becomes row_i(p) = p_i - sum_k values p_k with
+    row_i(p) = -measure lap p. A row that is not sound, or that extrapolates from neighbours on one side (a value less
+    than -UNSOUND times the sum), is dropped: it has no entries, and measure 0.
 
     scale : [1/m^2]
     """
@@ -35,10 +35,9 @@ def finish_row(rows: Rows, i: int, first: int, n: int, scale: float, sound: bool
 
 @kernel
 def mean_rows(rows: Rows, cloud: Cloud) -> None:
-    """Give inner particles whose row was given up the mean of their neighbours, as `rankine.rankine_rows` does.
+    """Give inner particles whose row was dropped the mean of their neighbours, as `rankine.rankine_rows` does.
 
-    A row without entries means p = 0, which pins the pressure in the middle of a closed tank. The measure stays 0,
-    by which such rows are known.
+    A row without entries would fix p = 0 in the middle of a closed tank. The measure stays 0 and marks such rows.
     """
     count, columns, values, measure = rows
     role, indptr, indices = cloud.role, cloud.indptr, cloud.indices
@@ -56,10 +55,10 @@ def mean_rows(rows: Rows, cloud: Cloud) -> None:
 
 @kernel
 def looked_over(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> tuple[int, int, int, bool]:
-    """Look over the rows of a CSR matrix in one pass.
+    """Return properties of the rows of a CSR matrix, in one pass.
 
-    Returns the fewest entries of a row (all of them where there are no rows), the lowest and the highest column (0
-    without entries), and whether all values are finite.
+    These are the fewest entries of a row (all entries without rows), the lowest and the highest column (0 without
+    entries), and whether all values are finite.
 
     indptr : (n + 1,), columns, values : (nnz,)
     """
@@ -76,10 +75,10 @@ def looked_over(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> 
 
 @kernel
 def sort_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> None:
-    """Sort the entries of each row of a CSR matrix by column, in place; no column may be twice in a row.
+    """Sort the entries of each row of a CSR matrix by column, in place; a row has each column once at most.
 
-    Most rows are in order already. In others the place of an entry is the number of smaller columns in its row: rows
-    are short, and vector instructions count in less time than an insertion takes.
+    Most rows are in order already. In others, the position of an entry is the number of smaller columns in its row: for
+    short rows, vectorised counting is faster than insertion.
     """
     longest = 0
     for i in range(len(indptr) - 1):
@@ -104,10 +103,9 @@ def sort_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> No
 @kernel
 def split_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray, first: int,
                last: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return two CSR matrices (indptr, columns, values): the columns from `first` up to `last`, counted from `first`,
-    and all others, as they are. The entries of each row are sorted, and stay so.
+    """Return two CSR matrices (indptr, columns, values): columns `first` to `last`, renumbered from 0, and all others.
 
-    The first, which has nearly all, is made in the arrays given, for the sake of memory: these then hold nothing else.
+    Sorted rows stay sorted. The first matrix, which has most entries, is stored in the arguments to save memory.
     """
     n = len(indptr) - 1
     own_ptr, other_ptr = np.zeros(n + 1, indptr.dtype), np.zeros(n + 1, indptr.dtype)

@@ -9,17 +9,16 @@ from parisph.kernels.near import SPLINE_SLOPE, fill_up, gather, room_for
 from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.row import finish_row
 
-FLAT = 0.02  # tuned 0.01 to 0.04: det/(trace/dim)^dim of Gamma below which a row is given up, as of a line; judged
+FLAT = 0.02  # tuned 0.01 to 0.04: det/(trace/dim)^dim of Gamma below which a row is dropped, as on a line; judged
 
 
 def cisph1_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:
     """Fill the rows of inner particles with CISPH1 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20c).
 
-    With r_ij = r_i - r_j, F_ij = W'/r and grad_i W_ij = F_ij r_ij,
-    lap p_i = tr(Gamma^-1)/n [2 sum_j V F_ij (p_j - p_i) + 2 grad p_i . sum_j V grad_i W_ij],
-    Gamma = sum_j V F_ij r_ij r_ij^T, grad p_i = sum_j V (p_j - p_i) grad_i W_ij. Printed: -2 grad p, which is
-    right for r_ij = r_j - r_i only, and an integral for the sum Gamma. The gradient is not exact for linear p on
-    disordered particles, and so neither are these rows. Values may be negative.
+    With r_ij = r_i - r_j, F_ij = W'/r and grad_i W_ij = F_ij r_ij, lap p_i = tr(Gamma^-1)/n [2 sum_j V F_ij (p_j - p_i)
+    + 2 grad p_i . sum_j V grad_i W_ij], Gamma = sum_j V F_ij r_ij r_ij^T, grad p_i = sum_j V (p_j - p_i) grad_i W_ij.
+    The printed -2 grad p is right only for r_ij = r_j - r_i, and the sum Gamma is printed as an integral. The gradient
+    is not exact for linear p on disordered particles, and so neither are these rows. Values may be negative.
 
     h : smoothing length of the cubic spline, support 2h [m]; volume : of a particle, at equal sizes [m^dim]
     """
@@ -29,9 +28,9 @@ def cisph1_rows(rows: Rows, cloud: Cloud, h: float, volume: float) -> None:
 def cisph2_rows(rows: Rows, cloud: Cloud, h: float) -> None:
     """Fill the rows of inner particles with CISPH2 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20d).
 
-    As cisph1_rows, but grad p_i = sum_j V (p_j - p_i) L grad_i W_ij with L = [sum_j V (r_j - r_i) grad_i W_ij^T]^-1,
-    which is -Gamma^-1. The volumes cancel. Exact for linear p on any particles. (The paper's text has "Eq. 20c" for
-    this method too; Eq. 20d is meant.)
+    As cisph1_rows, but grad p_i = sum_j V (p_j - p_i) L grad_i W_ij with L = [sum_j V (r_j - r_i) grad_i W_ij^T]^-1 =
+    -Gamma^-1. The volumes cancel. Exact for linear p on any particles. (The paper's text has "Eq. 20c" for this method,
+    too; Eq. 20d is meant.)
     """
     _fill(rows, cloud, h, 1.0, True)
 

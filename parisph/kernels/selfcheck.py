@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
 
-LENGTH = 203    # several passes of the widest vector loop, and a remainder
+LENGTH = 203    # several passes of the widest vector loop and a remainder
 
 
 @kernel
@@ -18,8 +18,7 @@ def _mark(role, kind, alpha, limit):
 def stores_hold() -> bool:
     """Return whether conditional stores change only the selected values. Not collective.
 
-    Wrong machine code for such stores is known (see `kernels.processor`), and a flow computed with
-    it looks plausible.
+    Compilers are known to get such stores wrong (see `kernels.processor`), and the resulting flow looks plausible.
     """
     index = np.arange(LENGTH)
     kind = np.where(index * index % 7 < 3, FLUID, WALL).astype(np.int8)

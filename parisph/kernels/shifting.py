@@ -8,25 +8,24 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
-# Times that the gradient of concentration across a wall counts. The solid behind the wall stays where it is; fluid
-# there would move with the fluid before it. So a layer is held half as stiffly at its distance from the wall. Dam break
-# (H/s = 40, twelve starts): noise of P2 .011 with 1, .0085 with 1.5, .0085 with 2, .008 with 3; P2 off by .074, .061,
-# .062, .063.
-STIFF = 1.5    # tuned 0.75 to 3: times that the gradient of concentration across a wall counts; measured
+# The solid behind a wall does not move as fluid there would, so it holds a layer at its distance half as stiffly. Dam
+# break (H/s = 40, twelve starts): noise of P2 .011 with 1, .0085 with 1.5, .0085 with 2, .008 with 3; error of P2 .074,
+# .061, .062, .063.
+STIFF = 1.5    # tuned 0.75 to 3: weight of the gradient of concentration across a wall; measured
 
 
 @kernel
 def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndarray, rapid: np.ndarray,
                 doubt: np.ndarray, limit: float, reach: float) -> None:
-    """Relative density error that the position projection removes.
+    """Write the relative density error that the position projection removes.
 
-    e = alpha - 1 at inner particles, clipped to +-limit. If a surface particle lies within the reach [m], only
-    what alpha - 1 is above the doubt counts: there alpha < 1 because of the surface, not because of a void. Of
-    disorder, which makes alpha too large here and too small there, one side alone would be left, and its mean
-    pushes the surface outwards: a wave gains the energy to which its crests are lifted.
+    e = alpha - 1 at inner particles, clipped to +-limit. With a surface particle within the reach [m], only the excess
+    of alpha - 1 over the doubt counts: there alpha < 1 because of the surface, not of a void. Without the doubt, only
+    the positive errors of disorder would remain, and their mean would push the surface outwards: a wave would gain
+    energy.
 
     e : (n_owned,) output; alpha, doubt : (n_owned,)
-    surplus : (n_owned,), the part of alpha that is left out as `less_pushed` does; rapid : (n_owned,), 0 to 1
+    surplus : (n_owned,), the part of alpha that `less_pushed` leaves out; rapid : (n_owned,), 0 to 1
     """
     role, reach2, bare = cloud.role, reach * reach, _without_equation(cloud.kind, cloud.role)
     for i in range(len(cloud.indptr) - 1):
@@ -42,19 +41,19 @@ def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndar
 
 @kernel
 def push_off_less(gradient: np.ndarray, surplus: np.ndarray, rapid: np.ndarray) -> None:
-    """Leave out of the gradient of concentration what pushes fluid off a wall by half cells for which no fluid stands.
+    """Reduce the part of the concentration gradient by which half cells that no fluid represents push fluid off a wall.
 
-    What is left counts STIFF times.
+    The rest counts STIFF times.
 
-    gradient : (n_owned, dim), changed; surplus : (n_owned, dim), the part of it by those half cells
-    rapid : (n_owned,), 0 to 1: as much of it is left out
+    gradient : (n_owned, dim), changed; surplus : (n_owned, dim), its part by those half cells
+    rapid : (n_owned,), 0 to 1, the part of the surplus that is left out
     """
     dim = surplus.shape[1]
     for i in range(len(surplus)):
         size = 0.0
         for a in range(dim):
             size += surplus[i, a] ** 2
-        if size == 0.0:    # most have no wall
+        if size == 0.0:    # most particles: no wall is near
             continue
         size = math.sqrt(size)
         push = 0.0
@@ -67,11 +66,11 @@ def push_off_less(gradient: np.ndarray, surplus: np.ndarray, rapid: np.ndarray) 
 
 @subkernel
 def less_pushed(push: float, less: float, rapid: float) -> float:
-    """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull.
+    """Return a push without its surplus in rapid flow, at least 0.
 
     push : with the surplus; less : without it; rapid : 0 to 1
     """
-    return push + rapid * (min(max(less, 0.0), push) - push)    # in this order, what is no number stays so
+    return push + rapid * (min(max(less, 0.0), push) - push)    # this order keeps NaN
 
 
 @subkernel
@@ -85,8 +84,7 @@ def _without_equation(kind, role):
 
 @inlined
 def _any(marked, i, cloud):
-    """Return whether any neighbour in the list of i is marked. Most particles have none; a loop without branches tells
-    in a third of the time."""
+    """Return whether any listed neighbour of i is marked. As most have none, a loop without branches takes a third."""
     found = False
     for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
         found |= marked[np.uint32(cloud.indices[k])]
@@ -110,11 +108,11 @@ def _near_surface(i, bare, reach2, cloud):
 @kernel
 def fick_shift(shift: np.ndarray, cloud: Cloud, gradient: np.ndarray, strength: np.ndarray, cap: float,
                reach: float) -> None:
-    """Shift down the gradient of concentration; near the surface, only along it.
+    """Write the shift down the gradient of concentration; near the surface, only along it.
 
-    dr = -strength grad alpha (Lind et al. 2012), |dr| <= cap; zero on the surface; within the
-    reach of a surface particle the part along the surface normal is removed, the normal being
-    the mean of the surface particles' grad alpha weighted by 1/r^2.
+    dr = -strength grad alpha (Lind et al. 2012), |dr| <= cap; zero on the surface. Within the reach of a surface
+    particle the part along the surface normal is removed; the normal is the mean of the surface particles' grad alpha
+    weighted by 1/r^2.
 
     shift : (n_owned, dim) output [m]; gradient : (n_all, dim); strength : (n_owned,), C h^2 [m^2]
     """
@@ -180,7 +178,7 @@ def limit_lengths(vector: np.ndarray, n: int, cap: float, axes: tuple[int, ...])
 
 @kernel
 def cap_together(moves: tuple[np.ndarray, ...], free: np.ndarray, cap: float) -> None:
-    """Shorten the moves of each particle if their sum is longer than the cap and than the longest that is free.
+    """Shorten the moves of each particle if their sum exceeds both the cap and the longest free move.
 
     moves : each (n, dim) [m], changed in place; free : (number of moves,) bool; cap : [m]
     """

@@ -1,8 +1,8 @@
-"""The shifts of particles in the literature, other than the Fick shift of `shifting`.
+"""Particle shifts from the literature, other than the Fick shift of `shifting`.
 
-`shifting.fick_shift` is that of Lind et al. (2012) with D = C h^2, without their tensile term, and with beta = 0
-near a free surface, on which particles stay. Neighbours are continued across walls in all shifts, so that a lattice in
-a tank is not shifted.
+`shifting.fick_shift` is that of Lind et al. (2012) with D = C h^2, without their tensile term, and with beta = 0 near a
+free surface, on which particles stay. Neighbours are continued across walls in all shifts, so that a lattice in a tank
+is not shifted.
 """
 
 import math
@@ -17,17 +17,17 @@ from parisph.kernels.shifting import limit_length
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
 TENSILE, POWER = 0.2, 4     # R and n of the tensile term (Monaghan 2000; Lind et al. 2012, Eq. 27)
-CLOSEST = 1e-3              # of the radius: nearer neighbours count as if they were so far away
+CLOSEST = 1e-3              # least distance of a neighbour, in radii
 
 
 @kernel
 def xu_shift(shift: np.ndarray, cloud: Cloud, walls: Walls, strength: np.ndarray, radius: float, cap: float) -> None:
-    """Shift of Xu, Stansby & Laurence (2009, Eqs. 25 and 26), for fluid without a free surface.
+    """Write the shift of Xu, Stansby & Laurence (2009, Eqs. 25 and 26), for fluid without a free surface.
 
-    dr_i = strength sum_j (mean_i/r_ij)^2 n_ij, mean_i = sum_j r_ij/N_i, with n_ij from j to i, and strength = C U dt,
-    in which C is 0.01 to 0.1 and U the largest speed. |dr| <= cap.
+    dr_i = strength sum_j (mean_i/r_ij)^2 n_ij, mean_i = sum_j r_ij/N_i, with n_ij from j to i and strength = C U dt,
+    where C is 0.01 to 0.1 and U the largest speed. |dr| <= cap.
 
-    shift : (n_owned, dim) output [m]; zero for all that is not INNER
+    shift : (n_owned, dim) output [m], zero except at INNER particles
     strength : (n_owned,) [m]; radius : of the neighbours that count [m]; cap : [m]
     """
     axes, across = cloud.axes, room_across(cloud)
@@ -52,7 +52,7 @@ def xu_shift(shift: np.ndarray, cloud: Cloud, walls: Walls, strength: np.ndarray
 
 @kernel
 def tensile_gradient(out: np.ndarray, cloud: Cloud, walls: Walls, h: float, full: float) -> None:
-    """Concentration gradient with the term against the pairing of particles (Lind et al. 2012, Eqs. 23 and 27) [1/m].
+    """Write the concentration gradient with a term against pairing (Lind et al. 2012, Eqs. 23 and 27) [1/m].
 
     grad C_i = sum_j V_j (1 + 0.2 (W_ij/W(s))^4) grad_i W_ij.
 
@@ -75,10 +75,10 @@ def tensile_gradient(out: np.ndarray, cloud: Cloud, walls: Walls, h: float, full
 @kernel
 def surface_shift(shift: np.ndarray, cloud: Cloud, gradient: np.ndarray, surface_normal: np.ndarray, close: np.ndarray,
                   strength: np.ndarray, cap: float) -> None:
-    """Shift of Lind et al. (2012, Eqs. 24 and 25): along a free surface as inside, not across it.
+    """Write the shift of Lind et al. (2012, Eqs. 24 and 25), without its part across a free surface.
 
-    dr = -D t dC/dt at particles of the surface and close to it, where t dC/dt is the part of grad C across the normal
-    (beta = 0, for violent flows); dr = -D grad C elsewhere; |dr| <= cap.
+    dr = -D t dC/dt at particles of the surface and close to it, with the part t dC/dt of grad C normal to the surface
+    normal (beta = 0, for violent flows); dr = -D grad C elsewhere; |dr| <= cap.
 
     shift : (n_owned, dim) output [m], zero where role is not INNER or SURFACE
     gradient : (n_owned, dim), grad C [1/m]
@@ -100,11 +100,11 @@ def surface_shift(shift: np.ndarray, cloud: Cloud, gradient: np.ndarray, surface
 
 @kernel
 def surface_normals(normal: np.ndarray, close: np.ndarray, cloud: Cloud, gradient: np.ndarray, reach: float) -> None:
-    """Direction of the surface's grad C at fluid near a free surface, for `surface_shift`.
+    """Write the direction of the surface's grad C at fluid near a free surface, for `surface_shift`.
 
-    n_i = sum_j grad C_j/r_ij^2 over the surface particles within the reach, normalised; at a surface particle its own.
+    n_i = sum_j grad C_j/r_ij^2 over the surface particles within the reach, normalised; its own at a surface particle.
 
-    normal : (n_owned, dim) output, unit vectors, zero where there is no surface; close : (n_owned,) output of bool
+    normal : (n_owned, dim) output, unit vectors, zero away from surfaces; close : (n_owned,) output of bool
     gradient : (n_all, dim), grad C [1/m]; reach : [m]
     """
     axes = cloud.axes
@@ -149,18 +149,18 @@ def _square_of(vector, i, axes):
 @kernel
 def pressure_shift(shift: np.ndarray, cloud: Cloud, walls: Walls, p: np.ndarray, strength: float, radius: float,
                    cap: float) -> None:
-    """Shift by the pressure gradient relative to a minimum pressure, after Sriram & Ma (2012).
+    """Write the shift by the pressure gradient relative to a minimum pressure, after Sriram & Ma (2012).
 
     Zheng, Ma & Duan (2014, Sec. 2.2) describe it in words: particles move with a velocity from pressure gradients
-    relative to the least pressure around each. With the gradient of Koshizuka & Oka (1996),
-    d sum_j w_ij (p_j - p_min) r_ji/r_ij^2 / sum_j w_ij, the excess over the gradient with p_j - p_i is the shift:
+    relative to the least pressure around each. With the gradient of Koshizuka & Oka (1996), d sum_j w_ij (p_j - p_min)
+    r_ji/r_ij^2 / sum_j w_ij, the excess over the gradient with p_j - p_i is the shift:
 
     dr_i = -strength d/N_i (p_i - p_min) sum_j w_ij (r_j - r_i)/r_ij^2, strength = dt^2/(2 rho), |dr| <= cap
 
-    It pushes particles apart, the more the higher their pressure is, and does nothing on a lattice. p_min is the least
+    It pushes particles apart, in proportion to their excess pressure, and is zero on a lattice. p_min is the least
     pressure of i and its neighbours; a constant added to p has no effect.
 
-    shift : (n_owned, dim) output [m]; zero for all that is not INNER
+    shift : (n_owned, dim) output [m], zero except at INNER particles
     p : (n_all,) [Pa], of walls too; radius : of the quartic weight w [m]; strength : [m^3 s^2/kg]
     """
     x, axes, across = cloud.x, cloud.axes, room_across(cloud)

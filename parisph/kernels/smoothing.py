@@ -8,7 +8,7 @@ from parisph.kernels.jit import inlined
 @inlined
 def cubic_spline(r: float, h: float, dim: int) -> float:
     """Return W(r) of the cubic spline with support 2h (Zheng et al. 2014, Eq. 5) [m^-dim]."""
-    q = min(r / h, 2.0)  # no branches, so that loops over neighbours are vectorised
+    q = min(r / h, 2.0)  # without branches, so that loops over neighbours are vectorised
     near, far = 2.0 / 3.0 - q * q * (1.0 - 0.5 * q), (2.0 - q) ** 3 / 6.0
     return _cubic_scale(h, dim) * (near if q < 1.0 else far)
 
@@ -30,8 +30,8 @@ def _cubic_scale(h, dim):
 def quartic_weight(r2: float, radius2: float) -> float:
     """Return the least-squares weight 1 - 6q^2 + 8q^3 - 3q^4 of q = r/radius, from squares.
 
-    It is C2 at q = 1, and not normalised, because only ratios of weights matter. It needs no branch:
-    at q = 1 the polynomial is exactly zero.
+    It is C2 at q = 1, where it is exactly zero, so it needs no branch. It is not normalised, as only ratios of weights
+    matter.
     """
     q2 = min(r2 / radius2, 1.0)
     return 1.0 - q2 * (6.0 - 8.0 * math.sqrt(q2) + 3.0 * q2)

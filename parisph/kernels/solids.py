@@ -1,8 +1,7 @@
-"""Walls as elements, in 2D (segments) and 3D (triangles): what is visible past them, and which of them are near.
+"""Walls as elements, in 2D (segments) and 3D (triangles): lines of sight past them, and the nearest ones.
 
-Elements are `corners` (M, dim, dim) [m], where they are now, with the fluid on the left of the way from the first to
-the second corner, in 3D on the side from which the corners are in anticlockwise order. Every owned particle has a
-list of the elements near it (`seen_elements`); most lists are empty, and then nothing is done.
+Elements have current `corners` (M, dim, dim) [m], ordered as in `records.Walls`. Every owned particle has a list of the
+elements near it (`seen_elements`), mostly an empty one.
 """
 
 import math
@@ -14,15 +13,15 @@ from parisph.kernels.cells import nearby
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 
-LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node looks out; judged
-SLACK = 1e-9     # of an element's size: a line that passes its edge by less crosses it, so that two leave no gap
-PLANES = 6       # of the elements near a particle at most: where there are more, each element is looked at
-ROUNDING = 1e-8  # of the lift: what is in front of a plane by less may be behind it
+LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node sees; judged
+SLACK = 1e-9     # margin of an element over its size, so that lines cannot pass between two elements
+PLANES = 6       # largest number of planes near a particle: with more, each element is tested
+ROUNDING = 1e-8  # uncertainty of the distance to a plane, over the lift
 SIDE = 0.9       # tuned 0.45 to 1: cosine above which two walls count as one to keep off; judged
 
 
 def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return at least the elements (M, dim, dim) within the radius [m] of points x (n, dim) [m], as CSR.
+    """Return the elements (M, dim, dim) within the radius [m] of points x (n, dim) [m], and perhaps others, as CSR.
 
     Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `cells.nearby`.
     """
@@ -35,7 +34,7 @@ def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.nd
 
 
 def seen_elements(cloud: Cloud, walls: Walls, radius: float) -> Walls:
-    """Return the walls with lists of the elements within the radius [m] that are not hidden behind others.
+    """Return the walls with lists of the elements within the radius [m] that are not hidden by others.
 
     walls : with the lists of `near_lists`
     """
@@ -54,13 +53,13 @@ def seen_neighbours(cloud: Cloud, walls: Walls) -> tuple[np.ndarray, np.ndarray]
 
 @kernel
 def keep_visible(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls) -> int:
-    """Write the neighbours that are seen: the line between the particles crosses no element.
+    """Write the visible neighbours, those whose connecting line crosses no element; return their number.
 
-    The ends at nodes are lifted off the wall along the normal. A line that crosses a solid goes through its front once,
-    in one of the two directions, so that both particles of a pair come to the same decision. Lines between points in
-    front of all planes of elements cross none.
+    Ends at nodes are lifted off the wall along the normal. A line through a solid passes its front once, in one of the
+    two directions, so that both particles of a pair agree. Lines between points in front of all planes of elements
+    cross none.
 
-    indptr, indices : outputs, of the length of the lists of the cloud. Returns the number of neighbours that are left.
+    indptr, indices : outputs, as long as the lists of the cloud
     """
     axes, lift = cloud.axes, LIFT * cloud.spacing
     p, q, plane = np.empty(len(axes)), np.empty(len(axes)), np.empty((PLANES, len(axes) + 1))
@@ -96,7 +95,7 @@ def _lifted(p, i, cloud, lift):
 
 @inlined
 def _planes(plane, n, first, last, walls, lift, axes):
-    """Write normal and offset of the planes of a part of the lists of elements; return how many, -1 if too many."""
+    """Write normals and offsets of the planes of listed elements; return their number, -1 if too many."""
     dim, found = len(axes), 0
     for k in range(first, last):
         e = walls.indices[k]
@@ -122,7 +121,7 @@ def _planes(plane, n, first, last, walls, lift, axes):
 
 @inlined
 def _before(p, plane, planes, lift, axes):
-    """Return whether a point is in front of all planes, by more than rounding; if there are too many, it is not."""
+    """Return whether a point is in front of all planes by more than rounding; False if there are too many planes."""
     before = planes >= 0
     for m in range(planes):
         height = -plane[m, len(axes)]
@@ -134,7 +133,7 @@ def _before(p, plane, planes, lift, axes):
 
 @kernel
 def _middles(middle, corners, axes):
-    """Write the middles of elements; return the greatest distance of a corner from its middle [m]."""
+    """Write the centroids of elements; return the greatest distance of a corner from its centroid [m]."""
     dim, size2 = len(axes), 0.0
     for e in range(len(corners)):
         for a in range(dim):
@@ -151,13 +150,13 @@ def _middles(middle, corners, axes):
 
 @kernel
 def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls, radius: float) -> int:
-    """Write the elements within the radius [m] of owned particles that are not hidden.
+    """Write the visible elements within the radius [m] of owned particles; return their number.
 
-    The middle of an element or its nearest point, lifted off, must be seen: a wall that moves hides a part of an
-    element over which it stands. Elements that a point is behind stay, so that fluid cannot pass them. Where the point
-    and the middle are in front of all planes, nothing is between them.
+    The centroid or the nearest point, lifted off, must be visible: a moving wall hides the part of an element that it
+    covers. Elements in front of which the particle is not are kept, so that fluid cannot pass them. If particle and
+    centroid are in front of all planes, nothing is between them.
 
-    indptr, indices : outputs, of the length of the lists of walls. Returns the number of elements that are left.
+    indptr, indices : outputs, as long as the lists of walls
     """
     axes, lift = cloud.axes, LIFT * cloud.spacing
     dim = len(axes)
@@ -192,7 +191,7 @@ def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: 
 
 @inlined
 def _is_free(p, q, first, last, own, walls, axes):
-    """Return whether the line from p to q crosses no element of a part of the lists but number `own` in them."""
+    """Return whether the line from p to q crosses no listed element except entry `own`."""
     free = True
     for m in range(first, last):
         free = free and (m == own or not _crosses(p, q, walls.indices[m], walls.corners, axes))
@@ -209,7 +208,7 @@ def _apart2(p, q, axes):
 
 @inlined
 def _height(p, e, n, corners, axes):
-    """Return how far a point is in front of the plane of an element [m]."""
+    """Return the distance of a point from the plane of an element [m], positive in front."""
     total = 0.0
     for a in range(len(axes)):
         total += (p[a] - corners[e, 0, a]) * n[a]
@@ -297,7 +296,7 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
         uu, uv, vv, up, vp = uu + u * u, uv + u * v, vv + v * v, up + u * w, vp + v * w
     det = uu * vv - uv * uv
     b, c = (vv * up - uv * vp) / det, (uu * vp - uv * up) / det
-    if b >= -SLACK and c >= -SLACK and b + c <= 1.0 + SLACK:    # above an edge, one of two has to be it
+    if b >= -SLACK and c >= -SLACK and b + c <= 1.0 + SLACK:    # above an edge, one of the two must qualify
         for a in range(3):
             foot[a] = (1.0 - b - c) * corners[e, 0, a] + b * corners[e, 1, a] + c * corners[e, 2, a]
         return True
@@ -314,14 +313,15 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
 @inlined
 def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray, np.ndarray, np.ndarray], i: int,
                   cloud: Cloud, walls: Walls, reach: float) -> int:
-    """Find the walls that particle i must keep off: the nearest element, and further ones that it faces squarely.
+    """Write the walls that particle i must keep off, at most dim: the nearest element and others that it faces; return
+    how many.
 
-    Those in front of which it is farther off than the reach [m] may be left out.
+    A particle faces an element if its foot is inside the element. Walls in front of it beyond the reach [m] may be left
+    out. Beside an edge only the edge itself counts.
 
-    away : (dim, 1 + dim) output, of each wall the unit vector from its nearest point to the particle, and the
-        distance [m], negative behind the wall; there the vector is the normal
+    away : (dim, 1 + dim) output: unit vector from the nearest point to the particle, and distance [m]; behind the wall
+        the normal, and a negative distance
     member : (dim,) int64 output, elements; places : scratch of `three_places`
-    Returns the number of walls, at most dim. Beside an edge only the edge itself counts.
     """
     axes, corners = cloud.axes, walls.corners
     p, foot, n = places
@@ -338,7 +338,7 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray
                 continue
             element_normal(n, e, corners, axes)
             height = _height(p, e, n, corners, axes)
-            # straight ahead of a plate's tip a particle is in front of neither side
+            # ahead of a plate's tip a particle is in front of neither side
             front = height > 0.0 or (not squarely and height > -1e-9 * math.sqrt(apart2))
             if turn > 0 and (not front or _is_like(n, found, away, axes)):
                 continue
@@ -350,11 +350,11 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray
                 _note(away, found, places, math.sqrt(apart2), front, squarely, axes)
         if best == math.inf:
             break
-        if alone and not in_front:    # beyond an edge that no other element shares, as the rim of a tank
+        if alone and not in_front:    # beyond a free edge, as the rim of a tank
             nearest_point(foot, p, member[found], corners, axes)
             _note(away, found, places, math.sqrt(best), True, False, axes)
         found += 1
-        if away[found - 1, len(axes)] > reach:    # none is nearer
+        if away[found - 1, len(axes)] > reach:    # all others are farther
             break
     return found
 
@@ -386,7 +386,7 @@ def _note(away, w, places, apart, front, squarely, axes):
 
 @kernel
 def depths(depth: np.ndarray, cloud: Cloud, walls: Walls) -> None:
-    """Write how deep each owned fluid particle is behind the nearest wall (n_owned,) [m], 0 in front of it."""
+    """Write the depth of each owned fluid particle behind the nearest wall (n_owned,) [m], 0 in front of it."""
     axes = cloud.axes
     away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
     for i in range(len(depth)):
@@ -424,7 +424,7 @@ def _length(vector, i, axes):
 
 @inlined
 def _hold_back(move, i, away, w, wall_speed, allowed, axes):
-    """Limit the part of a vector off wall w to the allowed one above the wall's; return whether it was less."""
+    """Raise the velocity of a vector off wall w, relative to it, to at least `allowed`; return whether it was less."""
     outward = -wall_speed
     for a in range(len(axes)):
         outward += move[i, a] * away[w, a]
@@ -437,13 +437,12 @@ def _hold_back(move, i, away, w, wall_speed, allowed, axes):
 
 @kernel
 def guard(u: np.ndarray, cloud: Cloud, walls: Walls, distance: float, dt: float) -> int:
-    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s].
+    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s]; return how many it slowed down.
 
-    The velocity into the wall is limited to the room in front of the wall, and to that of the wall if there is none. A
-    particle behind the wall would see its neighbours on the wrong side, which gives an unbounded pressure.
+    The velocity into the wall is limited to the gap over dt, and to the wall's own velocity without a gap. A particle
+    behind the wall would see its neighbours on the wrong side, with an unbounded pressure.
 
     u : (n_all, dim) [m/s], that of owned fluid is changed
-    Returns the number of particles that were slowed down.
     """
     axes = cloud.axes
     away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)

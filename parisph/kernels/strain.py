@@ -1,4 +1,4 @@
-"""The velocity gradient of the fluid, its rate of strain, and its part beyond a fit."""
+"""Velocity gradient of the fluid, its rate of strain, and the velocity's deviation from a fit."""
 
 import math
 
@@ -11,27 +11,27 @@ from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import fill_up, gather_within, room_for, sum_changes
 from parisph.kernels.records import Cloud
 
-# The weight of a particle in its own mean is 1 if the fit passes through it, and .6 to .8 beside a contact line, where
-# surface particles would creep without the filter.
-ALONE = 0.95    # tuned 0.475 to 1: weight of a particle in its own mean from which on there is no fit; measured
-TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
+# The weight is 1 if the fit passes through the particle, and .6 to .8 beside a contact line, where surface particles
+# would creep without the filter.
+ALONE = 0.95    # tuned 0.475 to 1: weight of a particle in its own mean above which it has no fit; measured
+TINY = float(np.finfo(float).tiny)  # avoids 0/0
 
 
 @kernel
 def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, cloud: Cloud, u: np.ndarray, radius: float,
                       floor: float) -> None:
-    """Write the velocity gradient of owned fluid by linear least squares, and what the velocity has beyond that fit.
+    """Write the velocity gradient of owned fluid by linear least squares, and the velocity's deviation from the fit.
 
-    The weight is quartic. The gradient is exact for a linear velocity. It is zero at walls, and where the neighbours
-    do not span the plane: fewer than dim + 1 of them, or det/(trace/dim)^dim of their moment < floor.
+    The weight is quartic. The gradient is exact for a linear velocity. It is zero at walls, and where the neighbours do
+    not span the plane: fewer than dim + 1 of them, or det/(trace/dim)^dim of their moment < floor.
 
-    The filter removes what is beyond the fit: the velocity less its moving least squares, which include the particle
-    itself. A harmonic velocity has no Laplacian, so a wave has almost nothing there. It is zero where the neighbours
-    do not span a plane (jets, drops), because an extrapolation from two neighbours is unbounded.
+    The filter removes the deviation: the velocity minus its moving least squares, which include the particle itself. It
+    is almost zero in a wave, as a harmonic velocity has no Laplacian. It is set to zero where the neighbours do not
+    span a plane (jets, drops), because an extrapolation from two neighbours is unbounded.
 
     g : (n_owned, dim, dim) output, g[i, a, b] = d u_a / d x_b [1/s]
-    rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]; both without rows if not wanted
-    beyond : (n_owned, dim) output [m/s], without rows if not wanted
+    rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]; g and rate may have no rows
+    beyond : (n_owned, dim) output, the deviation [m/s], or without rows
     u : (n_all, dim) [m/s], of walls that of gradient.wall_velocity; radius : of the weight [m]
     """
     kind, indptr, axes = cloud.kind, cloud.indptr, cloud.axes
@@ -70,15 +70,17 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, cloud
 
 @inlined
 def _fit_here(fit, moments, here, axes):
-    """Write the fit at the particle, which has the weight 1, by its neighbours' moments, to which it is added; return
-    whether it is linear and not that of the particle alone."""
+    """Write the fit of neighbours and the particle, with weight 1; return whether it is linear and uses neighbours.
+
+    moments : of the neighbours; the particle is added
+    """
     moments[0, 0] += 1.0
     return linear_fit(fit, moments, here, 1, axes) == 1 and 0.0 < fit[0, 0] < ALONE
 
 
 @inlined
 def _differences(difference, u, member, i, n, columns, axes):
-    """Write what the velocities of n neighbours differ by from that of particle i, (dim, columns)."""
+    """Write the velocities of n neighbours relative to that of particle i, (dim, columns)."""
     for k in range(n):
         j = np.uint32(member[k])
         for c in range(len(axes)):
@@ -99,8 +101,7 @@ def _strain_rate(g, i, axes):
 
 @kernel
 def mean_over_fluid(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float) -> None:
-    """Write the mean of f (n_all,) over the fluid within the radius [m], the particle included: (n_owned,), 0 at walls.
-    """
+    """Write the mean of f (n_all,) over fluid within the radius [m], itself included: (n_owned,), 0 at walls."""
     x, kind, indptr, indices, axes = cloud.x, cloud.kind, cloud.indptr, cloud.indices, cloud.axes
     radius2 = radius * radius
     for i in range(len(indptr) - 1):
@@ -115,7 +116,7 @@ def mean_over_fluid(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float)
             r2 = dx * dx + dy * dy
             if len(axes) == 3:
                 r2 += (x[j, 2] - cz) ** 2
-            counts = 1.0 if (kind[j] == FLUID) & (r2 < radius2) else 0.0    # no branch: half of the neighbours do
+            counts = 1.0 if (kind[j] == FLUID) & (r2 < radius2) else 0.0    # no branch, as half of them count
             total += counts * f[j]
             n += counts
         out[i] = total / n
@@ -124,11 +125,11 @@ def mean_over_fluid(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float)
 @kernel
 def judge(out: np.ndarray, rate: np.ndarray, by_pressure: np.ndarray, spacing: float, dt: float, rest: float,
           quick: float, disorder: float) -> None:
-    """Write the strain of a step, how rapid it is, and the density error that may be disorder: out (3, n).
+    """Write the strain of a step, its rapidity, and the density error that may be disorder: out (3, n).
 
-    With the rate D and the acceleration a by pressure alone: the strain dt D, less where D is far below
-    rest sqrt(a/s); rapid = D^2/(D^2 + quick^2 a/s), from 0 in calm fluid to 1; the error disorder (1 - rapid). Rapid
-    strain packs particles faster than disorder does, and all of that is compression.
+    With the rate D and the acceleration a by pressure alone: the strain dt D, reduced where D is far below rest
+    sqrt(a/s); rapid = D^2/(D^2 + quick^2 a/s), from 0 in calm fluid to 1; the error disorder (1 - rapid). Rapid strain
+    packs particles faster than disorder does, and its whole error is compression.
 
     rate : (n,) [1/s]; by_pressure : (n,) [m/s^2]; spacing [m]; dt [s]
     """

@@ -1,8 +1,8 @@
-"""Divergence of position, and which particles lie on the free surface.
+"""Divergence of position, and the particles on the free surface.
 
-The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density
-ratio and the divergence of position work in any dimension. Walls that do not touch the fluid (see
-wetness.py) must not count as neighbours: the caller gives them the kind ABSENT.
+The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density ratio and the
+divergence of position work in any dimension. The caller gives walls that do not touch the fluid (wetness.py) the kind
+ABSENT, so that they are not neighbours.
 """
 
 import math
@@ -18,7 +18,7 @@ from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import nearest_point
 
 SECTORS = 16  # of the circle, in the quick test for a gap
-FEW = 4       # tuned 2 to 8: neighbours, with fewer of which a particle is on the surface; judged
+FEW = 4       # tuned 2 to 8: number of neighbours below which a particle is on the surface; judged
 
 
 @kernel
@@ -39,13 +39,13 @@ def lattice_sum(spacing: float, h: float, axes: tuple[int, ...]) -> float:
 
 @kernel
 def position_divergence(div: np.ndarray, cloud: Cloud, walls: Walls, h: float) -> None:
-    """Kernel estimate of div r of fluid particles: the number of dimensions where neighbours are all around.
+    """Write the kernel estimate of div r at fluid particles: the number of dimensions where neighbours are all around.
 
-    div r_i = sum_j V (x_j - x_i) . grad_i W_ij over fluid, wall particles and what is across the walls
-    (Lee et al. 2008, J. Comput. Phys. 227, 8417-8436, completed at walls). It is about half of that on a plane
-    surface. Like the density ratio, but a particle itself does not count, and near ones count less than those at h.
+    div r_i = sum_j V (x_j - x_i) . grad_i W_ij over fluid, wall particles and reflections in walls (Lee et al. 2008, J.
+    Comput. Phys. 227, 8417-8436, completed at walls). It is about half of that on a plane surface. Unlike in the
+    density ratio, a particle itself does not count, and near ones count less than those at h.
 
-    div : (n_owned,) output; walls get dim. Kind ABSENT is left out
+    div : (n_owned,) output, dim at walls; ABSENT particles do not count
     h : smoothing length of the cubic spline [m]
     """
     across, dim = room_across(cloud), len(cloud.axes)
@@ -79,9 +79,9 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
                    gap: Gap) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
-    A particle with fewer than FEW neighbours within the radius is always on it. An element that is present
-    counts as the reflection of the particle in it would: in the direction of its nearest point, twice as far away. Kind
-    ABSENT is left out.
+    A particle with fewer than FEW neighbours within the radius is always on the surface. An element that is present
+    counts as the particle's reflection in it: in the direction of its nearest point, twice as far away. ABSENT
+    particles do not count.
 
     role : output for owned fluid; was : role at the previous step (owned and ghost); alpha : (n_owned,)
     """
@@ -98,7 +98,7 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
         limit = gap.leave if was[i] == SURFACE or was[i] == BALLISTIC else gap.enter
         n, bound = _bound_of_gap(i, cloud, radius2)
         if n >= FEW and bound < limit:
-            continue  # most particles: no angle has to be known
+            continue  # most particles need no angles
         n = _angles(angles, i, cloud, radius2)
         for k in range(walls.indptr[i], walls.indptr[i + 1]):
             e = walls.indices[k]
@@ -114,10 +114,10 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
 
 @inlined
 def _bound_of_gap(i, cloud, radius2):
-    """Return the number of neighbours, and an upper bound for the gaps between them [rad].
+    """Return the number of neighbours, and an upper bound of the gaps between them [rad].
 
-    A gap covers consecutive empty sectors, and at most the sectors at its two ends. The code has no
-    branches, because the sector of a neighbour cannot be predicted.
+    A gap consists of empty consecutive sectors and at most the sectors at its ends. The code has no branches, because
+    the sector of a neighbour is unpredictable.
     """
     x, kind = cloud.x, cloud.kind
     n, occupied, cx, cy = 0, 0, x[i, 0], x[i, 1]
@@ -125,20 +125,20 @@ def _bound_of_gap(i, cloud, radius2):
         j = np.uint32(cloud.indices[k])
         dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy
-        near = (0.0 < r2) & (r2 < radius2) & (kind[j] != ABSENT)  # one in the same place is in no direction
+        near = (0.0 < r2) & (r2 < radius2) & (kind[j] != ABSENT)  # a coincident one has no direction
         n += near
         occupied |= near << _sector(dx, dy)
     empty = ((1 << 2 * SECTORS) - 1) & ~(occupied | occupied << SECTORS)  # twice around
     longest = 0
     while empty:
-        empty &= empty >> 1  # what is left has one more empty sector behind it
+        empty &= empty >> 1  # remaining bits have one more empty sector behind them
         longest += 1
     return n, (longest + 2) * (2.0 * math.pi / SECTORS)
 
 
 @inlined
 def _sector(dx, dy):
-    """Return the number of the sector that a direction is in, 0 to 15 counter-clockwise."""
+    """Return the sector of a direction, 0 to 15 counter-clockwise."""
     a, b = abs(dx), abs(dy)
     small = min(a, b) < (math.sqrt(2.0) - 1.0) * max(a, b)
     sector = 1 - small if a > b else 2 + small
@@ -148,7 +148,7 @@ def _sector(dx, dy):
 
 @inlined
 def _angles(angles, i, cloud, radius2):
-    """Write the directions of the neighbours; return how many."""
+    """Write the directions of the neighbours; return their number."""
     n = 0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
@@ -180,9 +180,9 @@ def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, cloud: Clo
                                    radius: float, limit: float) -> None:
     """Mark the surface by density ratio and three auxiliary functions (2D).
 
-    Zheng, Ma & Duan (2014), Sec. 2.4.2, Eqs. 28-30, conditions (a) to (e), with limit = 0.90.
-    Only particles on the surface at the previous step and their neighbours are candidates.
-    Wall particles, and what is across walls, count as occupants of a quadrant, as fluid does.
+    Zheng, Ma & Duan (2014), Sec. 2.4.2, Eqs. 28-30, conditions (a) to (e), with limit = 0.90. Only particles on the
+    surface at the previous step and their neighbours are candidates. Wall particles and reflections in walls occupy
+    quadrants as fluid does.
     """
     across = room_across(cloud)
     for i in range(len(alpha)):
@@ -201,7 +201,7 @@ def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, cloud: Clo
         quadrants, shaded = 0, 0
         for k in range(gather_across(across, i, cloud, walls, cloud.corner, True, radius)):
             dx, dy = across.near[0, k], across.near[1, k]
-            if 0.0 < dx * dx + dy * dy < 1.0:    # one in the same place is in no direction
+            if 0.0 < dx * dx + dy * dy < 1.0:    # a coincident one has no direction
                 quadrants |= _quadrant(dx, dy)
                 shaded |= _shaded(dx, dy)
         if not inner or not alpha[i] > limit or _bits(quadrants) < 4 or _bits(shaded) < 4:
@@ -210,7 +210,7 @@ def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, cloud: Clo
 
 @subkernel
 def _quadrant(dx, dy):
-    """Return the bits of the quadrants that a neighbour occupies; one on an axis lies in both."""
+    """Return the bits of the quadrants that a neighbour occupies; on an axis, both."""
     bits = 0
     if dx >= 0.0 and dy >= 0.0:
         bits |= 1

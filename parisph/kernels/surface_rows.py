@@ -9,14 +9,14 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.smoothing import quartic_weight
 
-# Of a cell: up to the first a particle lies on the surface, from the second on it stands for a full one. Half a cell
-# beside a wall, 3/2 spacings wide, is 3/4 of one. Where layers do not divide the depth, all shares are larger.
+# Half a cell beside a wall, 3/2 spacings wide, is 3/4 of a cell. Where layers do not divide the depth, all parts are
+# larger.
 HALF = 0.81     # tuned 0.76 to 0.86: part of a cell up to which a particle lies on the surface; judged
-FULL = 0.86     # tuned 0.81 to 0.99: part of a cell from which on a particle stands for a full one; judged
-# spacings, of the distance of the two last layers
-THIN = 0.3      # tuned 0.15 to 0.6: least distance of the two last layers; judged
-THICK = 1.5     # tuned 1 to 3: largest distance of the two last layers; judged
-FIRST, SECOND = 1.05, 2.3    # of a parabola for that distance, fitted on lattices: `_layer`
+FULL = 0.86     # tuned 0.81 to 0.99: part of a cell above which a particle represents a full one; judged
+# in spacings
+THIN = 0.3      # tuned 0.15 to 0.6: least distance of the last two layers; judged
+THICK = 1.5     # tuned 1 to 3: largest distance of the last two layers; judged
+FIRST, SECOND = 1.05, 2.3    # coefficients of a parabola for this distance, fitted on lattices (`_layer`)
 LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
 
 
@@ -25,15 +25,14 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours at the depth
-    d, p_I = a/(a + d) sum_J w_J p_J/sum_J w_J. Where each particle stands for a full cell, the surface of the fluid is
-    half a layer outside the centres of the last ones: with p = 0 at the centres, a drop is too small by half a spacing
-    all around, and a jet of two particles has no pressure. Layers of a flow that stretches come nearer to each other,
-    so a is in proportion to their distance. A particle that stands for half a cell lies on the surface, as at the
-    start of a tank: its row stays p = 0. With p = 0 half a spacing outside, whatever the distance of layers, falling
-    columns five to twelve particles wide gain up to 2 % of their energy, and .01 % so.
+    d, p_I = a/(a + d) sum_J w_J p_J/sum_J w_J. Full cells end half a layer outside the centres: with p = 0 at the
+    centres, a drop is too small by half a spacing all around, and a jet of two particles has no pressure. Layers of a
+    stretching flow come closer together, so a is in proportion to their distance. A particle that represents half a
+    cell lies on the surface, as at the start of a tank: its row stays p = 0. With a fixed a of half a spacing, falling
+    columns five to twelve particles wide gain up to 2 % of their energy; with this rule, .01 %.
 
-    cells : (n_all,), how much of its cell a particle stands for
-    offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]
+    cells : (n_all,), part of its cell that a particle represents
+    offset : distance of a full cell's particle to the surface where layers are one spacing apart [m]
     radius : of the neighbours that count [m]
     """
     count, columns, values, _ = rows
@@ -76,20 +75,20 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
 
 @inlined
 def _filled(i, cells):
-    """Return how much of the outer part of its cell a particle fills, 0 to 1.
+    """Return the part of the outer half of its cell that a particle fills, 0 to 1.
 
-    That depends on its volume alone, which does not change: a rule that asked for walls beside the particle would move
-    p = 0 at once when it comes to one or leaves it.
+    It depends on the constant volume alone. With a rule that asked for walls beside the particle, p = 0 would move
+    suddenly when the particle meets or leaves a wall.
     """
     return min(max((cells[i] - HALF) / (FULL - HALF), 0.0), 1.0)
 
 
 @inlined
 def _layer(depth):
-    """Return the distance of the two last layers, in spacings, from the mean depth of the inner neighbours.
+    """Return the distance of the last two layers, in spacings, from the mean depth of the inner neighbours.
 
-    Exact within 0.03 on lattices that are pushed together, and on the lattice itself; where layers are further apart
-    than a spacing, only the next one is within the radius.
+    Exact within 0.03 on the lattice and on compressed ones. Where layers are more than a spacing apart, only the next
+    one is within the radius.
     """
     missing = max(1.0 - depth, 0.0)
     return min(max(max(depth, 1.0) - missing * (FIRST + SECOND * missing), THIN), THICK)

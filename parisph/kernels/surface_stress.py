@@ -1,4 +1,4 @@
-"""Viscous acceleration and pressure at a free surface, on which no stress acts."""
+"""Viscous acceleration and pressure at a stress-free surface."""
 
 import math
 
@@ -12,13 +12,11 @@ from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import quartic_weight
 from parisph.kernels.viscous import STRETCH, Flowing, Quadratics, factor_quadratics, gather_flow
 
-FLAT = 1e-4         # of the moment of neighbours on the surface, added to it so that it has an inverse
-TURNS = 4           # of inverse iteration, each of which takes a factor of FLAT off what is along the surface
-# cosine of two estimates of the normal
+FLAT = 1e-4         # isotropic part added to the moment of surface neighbours, over its trace, to make it invertible
+TURNS = 4           # inverse iterations; each reduces the tangential part by a factor of FLAT
 ASTRAY = 0.7        # tuned 0.35 to 1: cosine of two normals below which neighbours lie in no plane; judged
-# Variance of a slope along the surface that unit errors of the velocities make, in units of 1/radius^2, above which a
-# fit is too poor: 3 to 6 on a lattice with a flat surface, 21 on that of a drop, and up to 17 with jitter 0.8. Without
-# a bound, the velocity of particles jittered by 1.2 has modes that grow.
+# Variance by unit errors of the velocities, in units of 1/radius^2: 3 to 6 on a lattice with a flat surface, 21 on that
+# of a drop, and up to 17 with jitter 0.8. Without a bound, particles jittered by 1.2 have growing velocity modes.
 POOR = 22.0    # tuned 11 to 44: variance of a slope along the surface above which a fit is too poor; measured
 
 
@@ -27,16 +25,16 @@ def stress_free(out: np.ndarray, tension: np.ndarray, cloud: Cloud, walls: Walls
                 radius: float) -> None:
     """Replace the viscous acceleration of surface particles by that at a surface without stress.
 
-    With the normal n out of the fluid and its unit tangents t, t . (grad u + (grad u)^T) . n = 0, and
-    p = 2 rho nu n . grad u . n. The acceleration is that of the quadratic fit whose slope along n is given by those
-    along the surface: d u_t/dn = -d u_n/dt, and d u_n/dn = -div_t u, as the fluid is incompressible. The slopes along
-    the surface are those of the plain fit. In water that turns as one body, nothing acts.
+    With the normal n out of the fluid and its unit tangents t, t . (grad u + (grad u)^T) . n = 0, and p = 2 rho nu n .
+    grad u . n. The acceleration is that of the quadratic fit whose slope along n follows from those along the surface:
+    d u_t/dn = -d u_n/dt, and d u_n/dn = -div_t u, as the fluid is incompressible. The slopes along the surface are
+    those of the plain fit. The acceleration of a rigid rotation is zero.
 
-    Where neighbours do not span the quadratics well, `out` is left as it is, and the tension is 0.
+    Where neighbours do not span the quadratics well, `out` stays unchanged, and the tension is 0.
 
     out : (n_owned, dim) [m/s^2], rows of owned surface particles are written
-    tension : (n_owned,) output, 2 nu n . grad u . n [m^2/s^2], 0 for all other particles
-    others as in `viscous.corrected`
+    tension : (n_owned,) output, 2 nu n . grad u . n [m^2/s^2], 0 for all other particles; others as in
+        `viscous.corrected`
     """
     axes, across = cloud.axes, room_across(cloud)
     dim, size = len(axes), len(axes) + len(axes) * (len(axes) + 1) // 2
@@ -59,10 +57,7 @@ def stress_free(out: np.ndarray, tension: np.ndarray, cloud: Cloud, walls: Walls
 
 @subkernel
 def _fit(found, fit, across, n, axes):
-    """Fit quadratics through 0 to du = nu_ij (u_j - u_i): found[a] has the coefficients of component a.
-
-    Returns False if the normal matrix is degenerate.
-    """
+    """Fit quadratics through 0 to du = nu_ij (u_j - u_i); False if degenerate. found[a] are the coefficients of u_a."""
     size = len(fit.work)
     if not factor_quadratics(fit, across.near, n, axes):
         return False
@@ -78,7 +73,7 @@ def _fit(found, fit, across, n, axes):
 
 @inlined
 def _inward(mean, fit, across, n, axes):
-    """Write the direction of the mean neighbour; return False if there is none."""
+    """Write the direction of the mean neighbour; return False if it has none."""
     for a in range(len(axes)):
         mean[a] = 0.0
         for k in range(n):
@@ -88,10 +83,10 @@ def _inward(mean, fit, across, n, axes):
 
 @subkernel
 def _outward(away, mean, i, cloud, radius):
-    """Write the normal of the plane through i that fits its neighbours on the surface best, out of the fluid.
+    """Write the outward normal of the plane through i that fits its surface neighbours best.
 
-    Inverse iteration with their moment finds it from -mean: among disordered particles, the mean neighbour may lie a
-    tenth off the normal. It stays -mean where these neighbours lie in no plane, as in spray.
+    Inverse iteration with their moment starts from -mean: among disordered particles, the mean neighbour may deviate
+    from the normal by a tenth. The result is -mean where these neighbours lie in no plane, as in spray.
     """
     axes, dim = cloud.axes, len(cloud.axes)
     moment, inverse = np.empty((dim, dim)), np.empty((dim, dim))
@@ -118,7 +113,7 @@ def _outward(away, mean, i, cloud, radius):
 
 @subkernel
 def _surface_moment(moment, i, cloud, radius):
-    """Write the weighted sum of r r^T over the neighbours on the surface; return its trace."""
+    """Write the weighted sum of r r^T over the surface neighbours; return its trace."""
     x, dim, trace = cloud.x, len(cloud.axes), 0.0
     moment[:, :] = 0.0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
@@ -149,7 +144,7 @@ def _normalise(v, axes):
 
 @inlined
 def _slope_without_stress(slope, fit, away, axes):
-    """Write the derivative of the velocity along n that leaves no stress; return its part along n, -div_t u.
+    """Write the stress-free derivative of the velocity along n; return its part along n, -div_t u.
 
     fit : its first columns [a, b] are du_a/dx_b
     """
@@ -171,7 +166,7 @@ def _slope_without_stress(slope, fit, away, axes):
 
 @subkernel
 def _variance_along(lift, work, away, axes):
-    """Return the variance of all slopes along the surface, the trace of the inverse of M without its part along n.
+    """Return the variance of all slopes along the surface, the trace of the inverse of M minus its part along n.
 
     lift : (size,) output, M^-1 (n, 0)
     """
@@ -194,8 +189,7 @@ def _variance_along(lift, work, away, axes):
 def _lay_down(out, i, fit, lift, away, slope, radius, axes):
     """Write the Laplacian of the fit with a given slope along n.
 
-    With its normal matrix M, the constraint n . g = slope moves the coefficients by M^-1 (n, 0), times what makes it
-    hold.
+    With the normal matrix M, the constraint n . g = slope changes the coefficients by a multiple of M^-1 (n, 0).
     """
     dim, response = len(axes), 0.0
     for a in range(dim):

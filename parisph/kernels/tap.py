@@ -1,4 +1,4 @@
-"""The moments of a linear pressure on the wall particles that face a pressure tap."""
+"""Moments of a linear pressure on the wall particles that face a pressure tap."""
 
 import math
 
@@ -11,14 +11,13 @@ from parisph.kernels.moments import cholesky, cholesky_solve
 @kernel
 def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray, across: np.ndarray, half: np.ndarray,
                 radius: float) -> np.ndarray:
-    """Return sum w b b^T [-] and then sum w p b [Pa], one after the other (n n + n,), of the n functions b = (1, places
-    along the wall over the radius).
+    """Return sum w b b^T [-], then sum w p b [Pa], (n n + n,), with n functions b = (1, x along the wall/radius).
 
-    The weight is w = (1 - r^2/radius^2)^2, with the distance r along the wall. Particles that are half[a] or more away
-    along an axis across the wall do not count.
+    The weight is w = (1 - r^2/radius^2)^2, with the distance r along the wall. Particles at least half[a] away along an
+    axis across the wall do not count.
 
-    x : (m, dim) wall particles [m]; p : (m,) [Pa]; at : (dim,) the tap [m]; frame : (dim, dim) axes across and along
-    the wall; across : (dim,) bool; half : (dim,) [m]; radius [m]
+    x : (m, dim) wall particles [m]; p : (m,) [Pa]; at : (dim,) the tap [m]; radius [m]
+    frame : (dim, dim), axes across and along the wall; across : (dim,) bool; half : (dim,) [m]
     """
     dim, n = len(at), 1
     for a in range(dim):
@@ -47,15 +46,15 @@ def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray,
 
 @kernel
 def fitted_at_tap(moments: np.ndarray, n: int) -> float:
-    """Return the pressure [Pa] of the fit at the tap, from the sums of all ranks of `tap_moments` with n functions.
+    """Return the fitted pressure [Pa] at the tap, from the sums of `tap_moments` over all ranks with n functions.
 
-    Where the particles do not determine the fit (moments.PIVOT_FLOOR) it is their mean, and nan where there are none.
+    It is the mean where the particles do not determine the fit (moments.PIVOT_FLOOR), and NaN without particles.
 
     moments : (n n + n,)
     """
     if not moments[0] > 0.0:
         return np.nan
-    # over the sizes of the functions: close to a particle, the next one counts for little, and still gives the slope
+    # scaled by the sizes of the functions, because close to a particle the next one has a small weight
     matrix, right, size = np.empty((n, n)), np.empty(n), np.empty(n)
     for r in range(n):
         size[r] = math.sqrt(moments[r * n + r]) if moments[r * n + r] > 0.0 else 1.0

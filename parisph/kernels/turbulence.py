@@ -1,4 +1,4 @@
-"""The eddy viscosity of Smagorinsky's model of turbulence."""
+"""Eddy viscosity of Smagorinsky's turbulence model."""
 
 import math
 
@@ -10,10 +10,9 @@ from parisph.kernels.jit import kernel, subkernel
 
 @kernel
 def eddy_viscosity(nu_t: np.ndarray, g: np.ndarray, kind: np.ndarray, length: float, axes: tuple[int, ...]) -> None:
-    """Eddy viscosity of Smagorinsky (1963), nu_t = length^2 sqrt(2 S : S), with S = (g + g^T)/2.
+    """Write the eddy viscosity of Smagorinsky (1963), nu_t = length^2 sqrt(2 S : S), with S = (g + g^T)/2.
 
-    Its length is C_s s: C_s = 0.1 to 0.2 in shear flows. Only the product with the mean rate of strain is modelled,
-    without damping at walls.
+    Its length is C_s s: C_s = 0.1 to 0.2 in shear flows. There is no damping at walls.
 
     nu_t : (n_owned,) output [m^2/s], zero for walls
     g : (n_owned, dim, dim), g[i, a, b] = d u_a / d x_b [1/s] (kernels.strain.velocity_gradient)

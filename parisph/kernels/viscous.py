@@ -1,10 +1,9 @@
 """Viscous acceleration div(nu grad u), with no-slip and free-slip walls.
 
-The walls are one layer of particles on the wall itself, so a particle beside one has neighbours on one side
-only. The form of Morris continues them across the wall. The corrected form is a quadratic fit, to which a no-slip wall
-gives its velocity as data; only free-slip walls need a continuation there. With the mean viscosity of a pair, a
-Laplacian of nu_ij (u_j - u_i) is div(nu grad u), exact for linear nu and linear u if the Laplacian is exact for
-quadratics.
+Walls are one layer of particles on the wall itself, so a particle beside one has neighbours on one side only. The form
+of Morris reflects them. The corrected form is a quadratic fit: no-slip walls give their velocity as data, and only
+free-slip walls need reflections. With the mean viscosity nu_ij of a pair, a Laplacian of nu_ij (u_j - u_i) is div(nu
+grad u), exact for linear nu and linear u if the Laplacian is exact for quadratics.
 """
 
 import math
@@ -20,20 +19,19 @@ from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 
-# Largest nu dt/s^2 of an explicit step of either form, with nu the largest viscosity, h = 1.3 s and radius = 2.6 s.
-# Eigenvalues between no-slip walls allow, in 2D (3D), 0.6 (0.57) for morris and 0.83 (0.7) for corrected on a lattice,
-# and 0.47 and 0.62 in 2D with jitter 1.2.
+# For the largest viscosity, h = 1.3 s and radius = 2.6 s. Eigenvalues between no-slip walls allow, in 2D (3D), 0.6
+# (0.57) for morris and 0.83 (0.7) for corrected on a lattice, and 0.47 and 0.62 in 2D with jitter 1.2.
 STABLE = 0.4    # tuned 0.2 to 0.8: largest nu dt/s^2 of an explicit step; measured
 
-STRETCH = 3.0       # of squares in units of the radius, so that they are about as large as the coordinates
+STRETCH = 3.0       # scale of squares in units of the radius, to make them as large as the coordinates
 
 
 class Flowing(NamedTuple):
-    """What the viscous force knows of particles.
+    """Velocities and viscosities for the viscous force.
 
     u : (n_all, dim) [m/s], of a no-slip wall its own velocity, of a free-slip wall that of `gradient.wall_velocity`
     nu : (n_all,) [m^2/s], of walls that of the fluid there
-    no_slip : (n_all,) of walls 1 for no-slip, 0 for free-slip; a corner of both is no-slip
+    no_slip : (n_all,), of walls 1 for no-slip, 0 for free-slip; a corner of both is no-slip
     """
 
     u: np.ndarray
@@ -43,14 +41,14 @@ class Flowing(NamedTuple):
 
 @kernel
 def morris(out: np.ndarray, cloud: Cloud, walls: Walls, flowing: Flowing, h: float) -> None:
-    """Viscous acceleration of owned fluid by the form of Morris et al. (1997, Eq. 22), at one density.
+    """Write the viscous acceleration of owned fluid by the form of Morris et al. (1997, Eq. 22), at one density.
 
     a_i = sum_j V (nu_i + nu_j) (r_ij . grad_i W_ij)/(r_ij^2 + 0.01 h^2) (u_i - u_j)
 
-    j runs over fluid, walls and what is across them. The reflection of fluid in a no-slip wall moves with
-    2 u_wall - u_j, in a free-slip wall with the reflected velocity. Between fluid particles, momentum is conserved.
+    j runs over fluid, walls and reflections in walls. The reflection of fluid in a no-slip wall moves with 2 u_wall -
+    u_j, in a free-slip wall with the reflected velocity. Momentum is conserved between fluid particles.
 
-    out : (n_owned, dim) output [m/s^2]; 0 for walls. Kind ABSENT is left out
+    out : (n_owned, dim) output [m/s^2], 0 for walls; ABSENT particles do not count
     h : smoothing length [m] of the cubic spline, with support 2 h
     """
     across = room_across(cloud)
@@ -62,11 +60,11 @@ def morris(out: np.ndarray, cloud: Cloud, walls: Walls, flowing: Flowing, h: flo
 
 @kernel
 def corrected(out: np.ndarray, cloud: Cloud, walls: Walls, flowing: Flowing, radius: float, h: float) -> None:
-    """Viscous acceleration of owned fluid by a quadratic fit (generalised finite differences).
+    """Write the viscous acceleration of owned fluid by a quadratic fit (generalised finite differences).
 
-    The Laplacian is exact for quadratic velocities on any set of particles, also beside walls. Where the
-    neighbours do not span the quadratics, and at particles that are not INNER, it is the form of `morris`, because a
-    one-sided fit has no condition there. `surface_stress.stress_free` gives surface particles one.
+    The Laplacian is exact for quadratic velocities on any particles, also beside walls. The form of `morris` is used
+    where the neighbours do not span the quadratics, and at particles that are not INNER, where a one-sided fit has no
+    boundary condition. `surface_stress.stress_free` gives surface particles one.
 
     radius : of the quartic weight of the fit [m]; the others as in `morris`
     """
@@ -140,11 +138,10 @@ def factor_quadratics(fit: Quadratics, near: np.ndarray, n: int, axes: tuple[int
 
 @subkernel
 def _fit_laplacian(out, i, fit, across, n, radius, axes):
-    """Add the Laplacian of the weighted quadratic fit through 0 at i.
+    """Add the Laplacian of the weighted quadratic fit through 0 at i; False, with nothing added, if M is degenerate.
 
-    The fit has the coefficients M^-1 sum_j w_j b_j du_j, and the Laplacian is twice the sum of those of the
-    squares: one system M y = pick gives the coefficients w_j b_j . y of all components. Returns False,
-    with nothing added, if M is degenerate.
+    The fit has the coefficients M^-1 sum_j w_j b_j du_j, and the Laplacian is twice the sum of those of the squares:
+    one system M y = pick gives the coefficients w_j b_j . y of all components.
     """
     dim, size = len(axes), len(fit.work)
     if not factor_quadratics(fit, across.near, n, axes):
@@ -179,10 +176,10 @@ def _fill_basis(fit, near, k, axes):
 
 @kernel
 def continue_to_walls(a: np.ndarray, cloud: Cloud, radius: float) -> None:
-    """Continue the normal part of an acceleration from the fluid to the walls, for n . (nu lap u) of Eq. 25.
+    """Extrapolate the normal part of an acceleration from the fluid to the walls, for n . (nu lap u) of Eq. 25.
 
     (Zheng, Ma & Duan 2014.) A wall takes the value at y = 0 of a linear fit over the distance y from it, with
-    radius^2/10 added to the variance of y, as in `gradient.wall_velocity`. Corners, and walls without fluid in the
+    radius^2/10 added to the variance of y, as in `gradient.wall_velocity`. Corners, and walls without fluid within the
     radius, get zero.
 
     a : (n_all, dim) [m/s^2], of fluid given, rows of owned walls are written

@@ -1,11 +1,11 @@
-"""The volume that each fluid particle represents now (2D): its Voronoi cell, inside walls and the free surface.
+"""The current volume of each fluid particle (2D): its Voronoi cell, inside walls and the free surface.
 
-The cells are those of the fluid particles alone, cut off at the walls: a particle one spacing in front of a wall has
-3/2 cells. The free surface passes through the particles on it. Each corner of a cell belongs to a triangle of particles
-(Delaunay), or at a wall to two particles and their feet on it. It counts unless the triangle is too large to be fluid,
-or the wall is not wet, with the kite between the particle, its feet on the two sides, and itself. Kites have signs, so
-that those of a triangle add up to its area also if its corner lies outside: the sum over all particles is exactly the
-area of all triangles.
+Cells are those of the fluid particles alone, cut off at the walls: a particle one spacing in front of a wall has 3/2
+cells. The free surface passes through its particles. Each corner of a cell belongs to a triangle of particles
+(Delaunay), or at a wall to two particles and their feet on it. It counts with the signed area of the kite between the
+particle, its feet on the two sides, and the corner. Corners of triangles too large to be fluid, or on dry walls, do not
+count. The kites of a triangle add up to its area even if the corner lies outside, so the sum over all particles is
+exactly the area of all triangles.
 """
 
 import math
@@ -17,17 +17,17 @@ from parisph.base.fields import FLUID, WET
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.records import Cloud, Walls
 
-MOST = 256       # sides of a cell that are looked at, and wet wall particles; further ones are ignored
+MOST = 256       # largest numbers of sides of a cell and of wet wall particles near it; others are ignored
 # Stretched jets have larger ones.
-GAP = 1.0        # tuned 0.75 to 2: spacings, circumradius of the largest triangle that is fluid; judged
-NEAR_WALL = 0.75 # tuned 0.5 to 1.5: spacings, a corner on a wall is wet if a wet wall particle is as near; judged
-NEAR_SIDE = 1.6  # tuned 0.8 to 3.2: spacings, neighbours that bound most of a cell; judged
-ON = 1e-6        # of an element's length: what is no farther beyond its end is on it
-BOX = -1         # side of the box from which cells are cut: there the cell is open
+GAP = 1.0        # tuned 0.75 to 2: circumradius of the largest triangle of fluid, in spacings; judged
+NEAR_WALL = 0.75 # tuned 0.5 to 1.5: distance of wet wall particles that make a corner wet, in spacings; judged
+NEAR_SIDE = 1.6  # tuned 0.8 to 3.2: distance of neighbours that bound most of a cell, in spacings; judged
+ON = 1e-6        # tolerance at an element's ends, over its length
+BOX = -1         # side of the initial box, at which a cell is open
 
 
-# Sides { p : (x, y) . p <= limit } that may bound the cell of a particle, relative to which all is here. member is the
-# neighbour across the side, or -1 for a wall, whose (x, y) has length 1; wet are the places of wet wall particles.
+# Sides { p : (x, y) . p <= limit } that may bound the cell of a particle, relative to the particle. `member` is the
+# neighbour across a side, or -1 for a wall, whose (x, y) has length 1; `wet` are places of wet wall particles.
 _Sides = namedtuple("_Sides", "x y limit member wet")
 # The corners of a convex polygon, and the side from each corner to the next.
 _Polygon = namedtuple("_Polygon", "x y side")
@@ -35,9 +35,9 @@ _Polygon = namedtuple("_Polygon", "x y side")
 
 @kernel
 def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.ndarray, reach: float) -> None:
-    """Write the volume out (n_owned,) [m^2] that owned fluid particles represent now, 0 for walls.
+    """Write the current volume out (n_owned,) [m^2] of owned fluid particles, 0 for walls.
 
-    A particle in no triangle, such as a drop, represents one cell of the lattice.
+    A particle in no triangle, such as a drop, has one cell of the lattice.
 
     concave : (M, 2) bool, whether the fluid has a concave corner at this end of an element
     reach : [m]; the lists contain all neighbours within it, at least 2.6 spacings
@@ -55,7 +55,7 @@ def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.nda
         n, wet = _sides(sides, i, cloud, reach)
         n = _element_sides(sides, n, i, cloud, walls, concave, reach)
         count, far2 = _box(cell, reach), 2.0 * reach * reach
-        for far in (False, True):    # near sides first: far ones do not reach the cell then
+        for far in (False, True):    # after the near sides, few far ones reach the cell
             for k in range(n):
                 if (limit[k] > near_side) == far and (member[k] < 0 or limit[k] < 2.0 * far2):
                     count = _cut(cell, count, other, sides, k)
@@ -74,7 +74,7 @@ def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.nda
 
 @inlined
 def _sides(sides, i, cloud, reach):
-    """Write the sides between i and other fluid that may bound its cell, and wet places; return the numbers of both."""
+    """Write the sides between i and other fluid that may bound its cell, and wet places; return both numbers."""
     x, n, w = cloud.x, 0, 0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
@@ -93,10 +93,10 @@ def _sides(sides, i, cloud, reach):
 
 @inlined
 def _element_sides(sides, n, i, cloud, walls, concave, reach):
-    """Write sides on walls of elements after the first n; return how many sides there are now.
+    """Append sides on walls to the first n; return the new number of sides.
 
-    Those are walls that the particle faces squarely, as far as they lead straight on, and walls behind a concave
-    corner. A particle ahead of an edge has a side through the edge, at right angles to the way there.
+    They lie on walls that the particle faces, and on walls behind a concave corner. A particle whose nearest point is
+    an edge has a side through the edge, normal to the line to it.
     """
     x, corners = cloud.x, walls.corners
     nearest, ahead, foot_x, foot_y = reach, False, 0.0, 0.0
@@ -136,7 +136,7 @@ def _box(cell, reach):
 
 @inlined
 def _farthest(cell, count):
-    """Return the largest square of a corner's distance."""
+    """Return the largest squared distance of a corner."""
     far2 = 0.0
     for m in range(count):
         far2 = max(far2, cell.x[m] * cell.x[m] + cell.y[m] * cell.y[m])
@@ -182,7 +182,7 @@ def _kite(vx, vy, a, b, sides):
 def _is_fluid(vx, vy, a, b, sides, wet, spacing):
     """Return whether the corner v of the sides a and b belongs to fluid. wet : number of wet places
 
-    All particles of a triangle come to the same decision, on any rank.
+    All particles of a triangle agree, on any rank.
     """
     if sides.member[a] >= 0 and sides.member[b] >= 0:
         return vx * vx + vy * vy <= (GAP * spacing) ** 2

@@ -1,4 +1,4 @@
-"""Friction on walls that fluid slips along, by laws of the wall for turbulent flow, in any dimension."""
+"""Friction on free-slip walls, by laws of the wall for turbulent flow, in any dimension."""
 
 import math
 from typing import NamedTuple
@@ -12,20 +12,20 @@ from parisph.kernels.solids import element_normal, nearest_walls, three_places
 
 FACTOR, POWER = 8.3, 1.0 / 7.0    # u+ = 8.3 y+^(1/7)
 KARMAN, ROUGH = 0.41, 8.5         # u+ = ln(y/k)/.41 + 8.5
-# Fluid up to NEAR spacings from a wall feels its friction, and less and less up to FAR: of disordered particles that is
-# one layer in the mean, without pulses of those that come and go.
-NEAR = 1.0        # tuned 0.5 to 1.5: spacings from a wall up to which friction is whole; judged
-FAR = 1.5         # tuned 1 to 3: spacings from which on there is no friction; judged
-CURVED = 0.97     # tuned 0.485 to 1: cosine to an element above which a convex edge is one of a curved wall; judged
-CLOSEST = 0.1     # tuned 0.05 to 0.2: spacings; what is nearer to a wall or behind it counts as so far away; judged
+# Friction falls from NEAR to FAR: on average one layer of disordered particles feels it, without pulses as particles
+# come and go.
+NEAR = 1.0        # tuned 0.5 to 1.5: spacings from a wall with full friction; judged
+FAR = 1.5         # tuned 1 to 3: spacings from a wall without friction; judged
+CURVED = 0.97     # tuned 0.485 to 1: cosine to an element above which a convex edge belongs to a curved wall; judged
+CLOSEST = 0.1     # tuned 0.05 to 0.2: least distance from a wall in the law, in spacings; judged
 
 
 @inlined
 def wall_stress(speed: float, y: float, viscosity: float, roughness: float) -> float:
-    """Return the stress over the density [m^2/s^2] for a speed [m/s] along a wall at a distance y [m] > 0 from it.
+    """Return the stress over density [m^2/s^2] for a speed [m/s] along a wall at a distance y [m] > 0.
 
-    Smooth: u+ = y+ or 8.3 y+^(1/7), which gives more (they meet at y+ = 11.8; Werner & Wengle 1993). Rough: u+ =
-    ln(y/k)/.41 + 8.5 (Nikuradse 1933), if that gives more. viscosity [m^2/s]; roughness : k [m]
+    Smooth: the larger of u+ = y+ and 8.3 y+^(1/7) (they meet at y+ = 11.8; Werner & Wengle 1993). Rough: u+ =
+    ln(y/k)/.41 + 8.5 (Nikuradse 1933), if its stress is larger. viscosity [m^2/s]; roughness : k [m]
     """
     found = 0.0
     if viscosity > 0.0:
@@ -38,7 +38,7 @@ def wall_stress(speed: float, y: float, viscosity: float, roughness: float) -> f
 
 
 class Law(NamedTuple):
-    """A law of the wall: viscosity [m^2/s], roughness [m], and the step [s] at whose end friction is taken."""
+    """A law of the wall: viscosity [m^2/s], roughness [m], and the step [s], for implicit friction."""
 
     viscosity: float
     roughness: float
@@ -47,10 +47,10 @@ class Law(NamedTuple):
 
 @kernel
 def rub(out: np.ndarray, cloud: Cloud, walls: Walls, u: np.ndarray, law: Law) -> None:
-    """Add the friction of walls, but of those that fluid sticks to, to out (n_owned, dim) [m/s^2].
+    """Add the friction of free-slip walls to out (n_owned, dim) [m/s^2].
 
-    The force on a particle is the stress on s^(dim-1) of the wall, whatever its volume: a layer of particles gets what
-    the wall below it does. Fluid past an edge that points into it has no wall below it, and feels none.
+    The force on a particle is the stress times s^(dim-1), independent of its volume: a layer of particles gets the
+    friction of the wall below it. Fluid ahead of a convex edge has no wall below it, and no friction.
     """
     axes = cloud.axes
     away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
@@ -81,6 +81,6 @@ def _rub(out, i, away, wall_u, u, cloud, law):
     speed, area = math.sqrt(speed2), cloud.spacing ** (dim - 1)
     stress = wall_stress(speed, max(y, CLOSEST * cloud.spacing), law.viscosity, law.roughness)
     rate = share * stress / speed * area / cloud.volume[i]
-    rate /= 1.0 + law.dt * rate    # a step cannot turn the velocity round
+    rate /= 1.0 + law.dt * rate    # implicit, so that a step cannot reverse the velocity
     for a in range(dim):
         out[i, a] -= rate * (u[a] - wall_u[a] - through * away[a])

@@ -10,9 +10,8 @@ from parisph.kernels.rankine import UNSOUND
 from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 
-# Below this value of det/(trace/dim)^dim the neighbours of a wall particle lie on a line.
 FLAT = 4.0e-3     # tuned 0.002 to 0.008: det/(trace/dim)^dim below which wall neighbours lie on a line; judged
-# A diagonal below this part of 1/radius means that hardly any neighbour lies inwards.
+# With a smaller diagonal, hardly any neighbour lies inwards.
 INWARDS = 0.05    # tuned 0.025 to 0.1: least diagonal of a wall row, times the radius; judged
 
 
@@ -20,12 +19,11 @@ INWARDS = 0.05    # tuned 0.025 to 0.1: least diagonal of a wall row, times the 
 def sfdi_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
     """Fill the rows of wet wall particles by SFDI (Zheng et al. 2014, Eq. 26b; Eq. A6 corrected).
 
-    n . grad p = sum_J Psi_IJ (p_J - p_I), that is Psi_II = -sum_J Psi_IJ, which the printed
-    Eq. A6 omits. The measure is 1/sum_J Psi_IJ [m]. A row without enough
-    neighbours for a normal derivative becomes their weighted mean, with measure 0, and one that
-    extrapolates from neighbours on one side is mixed with it, until no value is below -UNSOUND.
-    Above all of the water, where a cavity closed in a corner, such a row had values of 11 and -6,
-    and pressure came to -2.7 MPa. Means and mixtures need balance.add_linear_part_at_walls.
+    n . grad p = sum_J Psi_IJ (p_J - p_I), that is Psi_II = -sum_J Psi_IJ, which the printed Eq. A6 omits. The measure
+    is 1/sum_J Psi_IJ [m]. A row with too few neighbours for a normal derivative becomes their weighted mean, with
+    measure 0. A row that extrapolates from neighbours on one side is mixed with the mean until no value is below
+    -UNSOUND: where a cavity closed in a corner above all water, such a row had values of 11 and -6, and pressure
+    reached -2.7 MPa. Means and mixtures need balance.add_linear_part_at_walls.
     """
     columns, values, x = rows.columns, rows.values, cloud.x
     normal, indptr, indices, axes = cloud.normal, cloud.indptr, cloud.indices, cloud.axes
@@ -66,7 +64,7 @@ def sfdi_rows(rows: Rows, cloud: Cloud, radius: float) -> None:
 
 @subkernel
 def _mix_with_mean(rows, i, n, cloud, radius2, weights):
-    """Mix a row with the weighted mean until no value is below -UNSOUND; return the share of the row."""
+    """Mix a row with the weighted mean until no value is below -UNSOUND; return the part of the row."""
     share, values, first = 1.0, rows.values, cloud.indptr[i]
     for k in range(first, first + n):
         if values[k] < -UNSOUND:
@@ -81,7 +79,7 @@ def _mix_with_mean(rows, i, n, cloud, radius2, weights):
 
 @subkernel
 def _take_mean(rows, i, n, cloud, radius2, weights):
-    """Make a row the weighted mean of its neighbours."""
+    """Replace a row by the weighted mean of its neighbours."""
     for k in range(cloud.indptr[i], cloud.indptr[i] + n):
         w, _ = pair_weight(i, rows.columns[k], cloud.x, radius2, 2, cloud.axes)
         rows.values[k] = w / weights
@@ -89,9 +87,9 @@ def _take_mean(rows, i, n, cloud, radius2, weights):
 
 @kernel
 def harmonic_rows(rows: Rows, cloud: Cloud, radius: float, most: float) -> None:
-    """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it, with values above -UNSOUND.
+    """Replace SFDI wall rows by n . (harmonic stencil) where the neighbours allow values above -UNSOUND.
 
-    most : by how much terms of degree 2 may raise the variance of a slope (harmonic.coefficients)
+    most : largest ratio of the variances of a slope with and without terms of degree 2 (harmonic.coefficients)
     """
     count, columns, values, measure = rows
     normal, indptr, indices, dim = cloud.normal, cloud.indptr, cloud.indices, len(cloud.axes)

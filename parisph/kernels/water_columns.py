@@ -1,4 +1,4 @@
-"""What a gauge sees: the bodies of water above a place, and the surface beside it."""
+"""Measurements of a gauge: the bodies of water above a place, and the surface beside it."""
 
 from typing import NamedTuple
 
@@ -10,10 +10,10 @@ from parisph.kernels.jit import inlined, kernel
 
 
 class Column(NamedTuple):
-    """Where a gauge looks, within `half` of `at` along x, for surface particles within `beside` (negative: none) [m].
+    """Place of a gauge: within `half` of `at` along x, and surface particles within `beside` (negative: none) [m].
 
-    Neighbours upwards are of one body unless they are farther apart than the gap, above an inner particle than
-    gap + stretch [m].
+    Vertical neighbours belong to one body unless they are farther apart than the gap, or than gap + stretch above an
+    inner particle [m].
     """
 
     at: float
@@ -25,9 +25,9 @@ class Column(NamedTuple):
 
 @kernel
 def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Column, floors: np.ndarray) -> np.ndarray:
-    """Return rows (n, 4) of what these are and three numbers: HEIGHT, BODY and TOP, one TOP for each BODY.
+    """Return rows (n, 4) of a label and three numbers: HEIGHT, BODY and TOP, one TOP for each BODY.
 
-    Bodies are of fluid that is not in free flight. Water on one floor is no part of that on another.
+    Bodies consist of fluid that is not in free flight, and lie on one floor each.
 
     x : (n, dim) [m], the last axis upwards; kind, role : (n,); floors : (m,) heights of the floors, upwards [m]
     """
@@ -65,7 +65,7 @@ def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Colum
 
 @inlined
 def _sort(y, reach):
-    """Sort y (n,) upwards, and what belongs to it alike (Shell 1959)."""
+    """Sort y (n,) upwards, and `reach` with it (Shell 1959)."""
     step = len(y) // 2
     while step > 0:
         for k in range(step, len(y)):

@@ -1,9 +1,9 @@
-"""The traditional, weakly compressible SPH of Zheng, Ma & Duan (2014, Sec. 2.1, Eqs. 3 to 9).
+"""Traditional, weakly compressible SPH of Zheng, Ma & Duan (2014, Sec. 2.1, Eqs. 3 to 9).
 
-Walls. The paper puts two layers of ghost particles behind a wall (its Sec. 2.4.1, after Lee et al. 2008), so that sums
-over pairs are complete beside it. Here the particles on the wall count, with the mass of fluid and with the pressure
-that `wall_pressure` gives them, and behind them what is across the wall (kernels.across): with fluid one spacing in
-front of the wall, they continue its lattice. A reflection has the pressure of still fluid at its place.
+The paper puts two layers of ghost particles behind a wall (its Sec. 2.4.1, after Lee et al. 2008), which complete sums
+over pairs beside it. Here the particles on the wall count, with the mass of fluid and the pressure from
+`wall_pressure`, and behind them reflections in the wall (kernels.across): with fluid one spacing in front of the wall,
+they continue its lattice. A reflection has the pressure of still fluid at its place.
 """
 
 import math
@@ -38,15 +38,14 @@ def linear_pressure(rho: np.ndarray, sound: float, density: float) -> np.ndarray
 
 
 def linear_density(p: np.ndarray, sound: float, density: float) -> np.ndarray:
-    """Return the density [kg/m^3] that has the pressure p [Pa] by `linear_pressure`."""
+    """Return the density [kg/m^3] of the pressure p [Pa] by `linear_pressure`."""
     return density + np.asarray(p) / sound**2
 
 
 def longest_step(h: float, sound: float, speed: float, omega: float, acceleration: float) -> float:
-    """Return the longest stable step [s] (Monaghan 1992).
+    """Return the longest stable step [s] (Monaghan 1992), min(0.4 h/(c0 (1 + 0.6 omega) + speed), 0.25 sqrt(h/a)).
 
-    It is the least of 0.4 h/(c0 (1 + 0.6 omega) + speed) and 0.25 sqrt(h/a).
-    For water at rest, symplectic steps four times as long are stable; the rest is for impacts.
+    For water at rest, symplectic steps four times as long are stable; the margin is for impacts.
 
     h : [m]; speed, acceleration : the largest of the fluid [m/s, m/s^2]; omega : of the artificial viscosity
     """
@@ -55,7 +54,7 @@ def longest_step(h: float, sound: float, speed: float, omega: float, acceleratio
 
 
 class State(NamedTuple):
-    """The fields of weakly compressible fluid, of owned and ghost particles.
+    """Fields of weakly compressible fluid, of owned and ghost particles.
 
     u : (n_all, dim) [m/s], of walls their own; p, rho : (n_all,) [Pa, kg/m^dim], of walls from `wall_pressure`
     force : (n_all, dim), the body force per unit mass [m/s^2]
@@ -72,9 +71,9 @@ class State(NamedTuple):
 
 @kernel
 def density_rate(out: np.ndarray, cloud: Cloud, walls: Walls, state: State) -> None:
-    """Rate of density D rho_i/Dt = sum_j m_j u_ij . grad_i W_ij of owned fluid, from Eqs. 1, 4b and 7.
+    """Write the rate of density D rho_i/Dt = sum_j m_j u_ij . grad_i W_ij of owned fluid, from Eqs. 1, 4b and 7.
 
-    Eq. 7 prints m_j/rho_i behind rho_i, which is the same.
+    Eq. 7 prints m_j/rho_i after rho_i, which is the same.
 
     out : (n_owned,) output [kg/m^dim/s], zero for walls
     """
@@ -92,12 +91,12 @@ def density_rate(out: np.ndarray, cloud: Cloud, walls: Walls, state: State) -> N
 
 @kernel
 def acceleration(out: np.ndarray, cloud: Cloud, walls: Walls, state: State, sound: float, omega: float) -> None:
-    """Acceleration of owned fluid by pressure and artificial viscosity (Eqs. 6 and 8), without g.
+    """Write the acceleration of owned fluid by pressure and artificial viscosity (Eqs. 6 and 8), without g.
 
-    a_i = -sum_j m_j (p_i/rho_i^2 + p_j/rho_j^2 + Pi_ij) grad_i W_ij
-    Pi_ij = -omega c0 mu/rho_mean, mu = h u_ij . r_ij/(r_ij^2 + 0.01 h^2), for pairs that approach, else 0
+        a_i = -sum_j m_j (p_i/rho_i^2 + p_j/rho_j^2 + Pi_ij) grad_i W_ij
+        Pi_ij = -omega c0 mu/rho_mean, mu = h u_ij . r_ij/(r_ij^2 + 0.01 h^2), for pairs that approach, else 0
 
-    Walls have their part in the viscosity. The paper takes omega = 0.3. Momentum is conserved between fluid particles.
+    Walls contribute to the viscosity. The paper takes omega = 0.3. Momentum is conserved between fluid particles.
 
     out : (n_owned, dim) output [m/s^2], zero for walls; sound : c0 [m/s]
     """
@@ -121,7 +120,7 @@ def acceleration(out: np.ndarray, cloud: Cloud, walls: Walls, state: State, soun
 
 @inlined
 def _pressure(across, k, i, cloud, state):
-    """Return the pressure of column k: that of the neighbour, or of still fluid in the place of its reflection."""
+    """Return the pressure of column k: of the neighbour, or of still fluid at its reflection."""
     j = across.member[k]
     if not across.planes[k]:
         return state.p[j]
@@ -143,10 +142,10 @@ def _pair(across, k, h, axes):
 
 @kernel
 def xsph_velocity(out: np.ndarray, cloud: Cloud, state: State, epsilon: float) -> None:
-    """Velocity with which owned fluid moves, u_i - epsilon sum_j m_j/rho_mean u_ij W_ij over fluid (Eq. 9).
+    """Write the velocity with which owned fluid moves, u_i - epsilon sum_j m_j/rho_mean u_ij W_ij over fluid (Eq. 9).
 
-    Eq. 9 prints rho_i. The mean of both densities, from which it differs by less than the fluid is compressed,
-    conserves momentum (Monaghan 1989). The paper takes epsilon = 0.01.
+    Eq. 9 prints rho_i. The mean of both densities conserves momentum (Monaghan 1989), and differs by less than the
+    compression. The paper takes epsilon = 0.01.
 
     out : (n_owned, dim) output [m/s], of walls their own velocity
     """
@@ -170,13 +169,13 @@ def xsph_velocity(out: np.ndarray, cloud: Cloud, state: State, epsilon: float) -
 
 @kernel
 def wall_pressure(out: np.ndarray, cloud: Cloud, state: State) -> None:
-    """Pressure of owned wall particles, continued from the fluid (Adami, Hu & Adams 2012, Eq. 27), for walls at rest.
+    """Write the pressure of owned wall particles at rest, extrapolated from the fluid (Adami, Hu & Adams 2012, Eq. 27).
 
-    p_w = sum_j (p_j + rho_j g . r_wj) W_wj / sum_j W_wj over fluid j, with r_wj from j to w: exact at rest.
-    Nothing pulls at a wall, so p_w is at least 0; it is 0 where no fluid is near. The density of walls follows from the
+    p_w = sum_j (p_j + rho_j g . r_wj) W_wj / sum_j W_wj over fluid j, with r_wj from j to w, is exact at rest. Fluid
+    does not pull at walls, so p_w is at least 0; it is 0 without fluid nearby. The density of walls follows from the
     equation of state.
 
-    out : (n_owned,) output [Pa]; of fluid it is not changed
+    out : (n_owned,) output [Pa]; unchanged for fluid
     """
     x, dim = cloud.x, len(cloud.axes)
     for i in range(len(out)):

@@ -1,4 +1,4 @@
-"""The wall particles that touch the fluid, in any dimension."""
+"""Wall particles that touch the fluid, in any dimension."""
 
 import math
 
@@ -11,29 +11,29 @@ from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
-TOUCH = 0.55    # tuned 0.275 to 1: fluid as near to a wall touches it; the guard stops it at half a spacing; judged
-MOVING = 1e-3   # tuned 0.0005 to 0.002: what moves by less in a step rests; judged
-BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to the fluid in front of it; judged
-# Fluid of the first LAYER in front of a wall particle covers it.
-FAR = 2.5       # tuned 1.6 to 5: fluid as far in front of a wall particle does not cover it; judged
-FELT = 0.75     # tuned 0.5 to 1.5: fluid as near to a wall particle feels its friction, wet or not; judged
-NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind a water line that moves on along the wall; judged
-NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next ones on its wall, or beyond a corner; judged
+TOUCH = 0.55    # tuned 0.275 to 1: fluid that touches a wall; the guard stops it at half a spacing; judged
+MOVING = 1e-3   # tuned 0.0005 to 0.002: largest move in a step at rest; judged
+BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to fluid in front of it; judged
+# Fluid within LAYER in front of a wall particle covers it.
+FAR = 2.5       # tuned 1.6 to 5: fluid in front of a wall particle that no longer covers it; judged
+FELT = 0.75     # tuned 0.5 to 1.5: fluid that feels the friction of a wall particle, wet or not; judged
+NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind an advancing water line; judged
+NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next on its wall, or beyond a corner; judged
 INSIDE = 2.1    # tuned 1.05 to 4.2: from a wet wall particle to inner fluid; judged
-STANDS = 0.55   # tuned 0.275 to 1: along the wall, from the contact line to the surface particle before it; judged
+STANDS = 0.55   # tuned 0.275 to 1: along the wall, from the contact line to a surface particle; judged
 BOTH = 0.3      # tuned 0.15 to 0.6: along the wall, to fluid that covers one of its sides; judged
 # Without a unit:
-ALIKE = 0.5     # tuned 0.25 to 1: cosine of normals above which two wall particles are of one wall; judged
-FACES = 0.5     # tuned 0.25 to 1: part of a normal along a wall from which on another wall ends it; judged
+ALIKE = 0.5     # tuned 0.25 to 1: cosine of normals above which wall particles belong to one wall; judged
+FACES = 0.5     # tuned 0.25 to 1: component of a normal along a wall above which another wall ends it; judged
 ACROSS = 0.25   # tuned 0.125 to 0.5: sine^2 of the angle of an axis to the normal, for a tangent along it; judged
 
-# What a wall particle is to the fluid before it: the values of the field `closing`.
+# Values of the field `closing`, the relation of a wall particle to the fluid in front of it.
 APART, FREE, CLOSING = 0, 1, 2
 
 
 @kernel
 def without_walls(kind: np.ndarray, closing: np.ndarray, least: int) -> np.ndarray:
-    """Return kind (n,) with the walls ABSENT whose `closing` (n,) is less than `least`."""
+    """Return kind (n,), with ABSENT for walls whose `closing` (n,) is less than `least`."""
     seen = kind.copy()
     for i in range(len(kind)):
         if kind[i] == WALL and closing[i] < least:
@@ -43,7 +43,7 @@ def without_walls(kind: np.ndarray, closing: np.ndarray, least: int) -> np.ndarr
 
 @kernel
 def known_slopes(cloud: Cloud, closing: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Return which particles (n_all,) are walls with one normal that are not APART with a force off them.
+    """Return which particles (n_all,) are walls with one normal, except APART ones that the force points away from.
 
     force : (n_all, dim) [m/s^2], without rows before any step; closing : without rows where no wall is apart
     """
@@ -63,13 +63,13 @@ def known_slopes(cloud: Cloud, closing: np.ndarray, force: np.ndarray) -> np.nda
 def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, dt: float) -> None:
     """Classify owned wall particles: CLOSING the fluid off, APART from it, or FREE.
 
-    By positions alone, water that rests one spacing below a lid looks like water that fills the tank, because wall
-    particles are where its neighbours would be. The history tells the two apart. A wall particle closes the fluid off
-    if it was wet, if the water line reaches it (next to a wet one, with inner fluid within NEARBY), or if fluid runs
-    into it: closer than TOUCH at the end of the step, and moving or pulled towards it.
+    Positions alone do not distinguish water at rest one spacing below a lid from water that fills the tank, because
+    wall particles replace its neighbours. The history does. A wall particle closes the fluid off if it was wet, if the
+    water line reaches it (next to a wet one, with inner fluid within NEARBY), or if fluid hits it: closer than TOUCH at
+    the end of the step, and moving or pulled towards it.
 
     A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall beside it,
-    as below a lid: it must not crowd that fluid. All others are free. Those of a side wall above the water line crowd
+    as below a lid: it must not repel this fluid. All others are free. Those of a side wall above the water line act on
     the water as those below do, so that water at rest has no gradient of concentration there.
 
     closing : (n_all,) output; roles are those of the previous step; u : (n_all, dim) [m/s]
@@ -108,11 +108,11 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
 
 @kernel
 def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
-    """Write which part of each owned wall particle has fluid in front of it, 0 to 1; fluid gets 1.
+    """Write the part of each owned wall particle that fluid covers, 0 to 1; fluid gets 1.
 
-    covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall, and a_ij = 1 of fluid up to
-    LAYER in front of it, which falls to 0 at FAR. Behind dry walls no solid completes sums of kernels: above the water
-    line there is neither fluid nor its continuation.
+    covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall. a_ij is 1 for fluid up to
+    LAYER in front of it, and falls to 0 at FAR. The solid behind dry walls completes no kernel sums: above the water
+    line there is no fluid to continue.
     """
     x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
     for i in range(len(cloud.indptr) - 1):
@@ -136,9 +136,9 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
 
 @kernel
 def counted(part: np.ndarray, cloud: Cloud, closing: np.ndarray, covered: np.ndarray, least: int) -> None:
-    """Write which part of each particle counts (n_all,): of walls with a `closing` of at least `least` what is covered.
+    """Write the part of each particle that counts (n_all,): of walls below `least` 0, of other walls the covered part.
 
-    closing : (n_all,), without rows where all of all walls counts; covered : (n_all,) of `covered_walls`
+    closing : (n_all,), or without rows to count all walls fully; covered : (n_all,) of `covered_walls`
     """
     for i in range(len(part)):
         part[i] = 1.0
@@ -148,7 +148,7 @@ def counted(part: np.ndarray, cloud: Cloud, closing: np.ndarray, covered: np.nda
 
 @kernel
 def mean_of_nodes(mean: np.ndarray, nodes: np.ndarray, values: np.ndarray) -> None:
-    """Write the mean (M,) over the nodes (M, dim) of elements of values (n_all,); nodes -1 are not here."""
+    """Write the means (M,) of values (n_all,) over the nodes (M, dim) of elements; -1 is a node of another rank."""
     for e in range(len(nodes)):
         total, here = 0.0, 0
         for c in range(nodes.shape[1]):
@@ -165,7 +165,7 @@ def before_moving_walls(apart: np.ndarray, x: np.ndarray, own: np.ndarray, walls
 
     A wall whose motion has a higher number passes over the nodes of others, as a piston over those of the bed.
 
-    apart : (n_owned,), changed where there is such a wall; x : (n_owned, dim) [m]
+    apart : (n_owned,), changed where such a wall is near; x : (n_owned, dim) [m]
     own : (n_owned,), motion : (M,), the numbers of the motions of particles and of elements
     """
     corners, dim = walls.corners, len(axes)
@@ -190,10 +190,10 @@ def before_moving_walls(apart: np.ndarray, x: np.ndarray, own: np.ndarray, walls
 def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
     """Mark the owned wall particles whose friction fluid can feel: 1, else 0; fluid gets 1.
 
-    These are wet ones, those of the same wall with a wet neighbour (the wall goes on above the water line), and those
-    that fluid is closer to than FELT. Others, as of a lid above the water, are behind air.
+    They are wet, have a wet neighbour on the same wall (which continues above the water line), or have fluid within
+    FELT. Others, as of a lid above the water, are behind air.
 
-    touched : (n_owned,) output; roles are those of the step before
+    touched : (n_owned,) output; roles are those of the previous step
     """
     x, kind, role, normal, spacing = cloud.x, cloud.kind, cloud.role, cloud.normal, cloud.spacing
     for i in range(len(cloud.indptr) - 1):
@@ -211,11 +211,11 @@ def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
 
 @kernel
 def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
-    """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
+    """Write which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    Wet: it closes the fluid off (closing_walls), an inner fluid particle is nearer than INSIDE, and there is fluid on
-    both sides along the wall, or beside a corner the other wall instead (in the corner itself the inner particle is
-    enough). Contact: not wet, with a surface particle beside it. Roles of fluid are read, those of owned walls written.
+    A wet one closes the fluid off (closing_walls), has an inner particle within INSIDE, and has fluid, or beside a
+    corner the other wall, on both sides along the wall. In the corner itself the inner particle is enough. A contact
+    particle is not wet, but has a surface particle beside it. Roles of fluid are read, those of owned walls written.
 
     closing : (n_all,) of `closing_walls`
     """
@@ -245,8 +245,7 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
 
 @subkernel
 def _covered_on_both_sides(i, closing, least, cloud):
-    """Return whether fluid is on both sides of wall particle i along the wall; another wall that is `least` counts as
-    fluid."""
+    """Return whether fluid, or another wall with `closing` >= `least`, is beside wall particle i on both sides."""
     x, normal, spacing, dim = cloud.x, cloud.normal, cloud.spacing, len(cloud.axes)
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
         if 1.0 - normal[i, b] ** 2 < ACROSS:
@@ -259,7 +258,7 @@ def _covered_on_both_sides(i, closing, least, cloud):
                 away += (x[j, a] - x[i, a]) * normal[i, a]
                 cosine += normal[j, a] * normal[i, a]
             along -= away * normal[i, b]
-            # one spacing from a corner the other wall is where fluid would be
+            # one spacing from a corner the other wall replaces the fluid
             facing = normal[j, b] - cosine * normal[i, b]
             covers = (cloud.kind[j] == FLUID
                       or (closing[j] >= least and along * facing < -FACES * abs(along) and abs(along) < NEXT * spacing))

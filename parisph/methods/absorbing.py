@@ -1,4 +1,4 @@
-"""The force of zones that absorb or make waves (case.absorb)."""
+"""Force of zones that absorb or make waves (case.absorb)."""
 
 from typing import TYPE_CHECKING
 
@@ -12,23 +12,23 @@ if TYPE_CHECKING:
 
 
 class Absorption(Force):
-    """(u_t - u)/(tau + dt): alone it takes u to (u + dt/tau u_t)/(1 + dt/tau) in a step, for any dt without overshoot.
+    """(u_t - u)/(tau + dt): alone it takes u to (u + dt/tau u_t)/(1 + dt/tau) in a step, without overshoot for any dt.
 
-    Gravity is not divided by 1 + dt/tau with the velocity: pressure balances gravity, not the zone, and water at rest
-    in a zone of uneven tau would begin to flow.
+    Gravity is not divided by 1 + dt/tau as the velocity is: pressure balances gravity, not the zone, and otherwise
+    water at rest in a zone of uneven tau would begin to flow.
     """
 
     name, only, words, cause = "absorb", "absorbing", "absorb", "absorb"
 
     def add(self, out: Floats, flow: "Flow", time: float) -> None:
-        assert flow.absorb is not None    # the scene has zones
+        assert flow.absorb is not None
         rate, pull = flow.absorb(flow.particles.x_all, time)
         own = (pull - rate[:, None] * flow.particles.u_all) / (1.0 + flow.step.dt * rate)[:, None]
         flow.step.absorbed = own[:flow.particles.n_owned]
         out += own
 
     def work(self, flow: "Flow", start: Floats) -> float:
-        """The force times the mean of the velocities before and after: the part of the kinetic energy's change."""
+        """Return the force times the mean of the old and new velocities, a part of the change of kinetic energy."""
         p = flow.particles
         power = np.einsum("ia,ia->i", flow.step.absorbed, 0.5 * (start + p.u))
         return flow.density * flow.step.dt * float(p.volume @ power)

@@ -1,4 +1,4 @@
-"""Walls, as elements with solid behind them: they complete sums of kernels, keep fluid off, and close angular gaps."""
+"""Walls as elements with solid behind them, which complete kernel sums, keep fluid off, and close angular gaps."""
 
 from typing import TYPE_CHECKING, ClassVar
 
@@ -18,15 +18,15 @@ from parisph.parallel.wall_elements import NO_ROOM, WallElements
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-ALL_WET = np.empty(0, np.int8)    # for what walls are to the fluid, where there is no surface
+ALL_WET = np.empty(0, np.int8)    # in place of `closing` in scenes without a surface
 
 
 class Boundary:
-    """The walls of a scene. Fluid does not see through elements. Nothing here is collective.
+    """The walls of a scene. Fluid does not see through elements. No method is collective.
 
-    elements : those of the domain, none in a scene without walls
-    fields : that it needs
-    least : in arguments, the least `closing` of walls that count (kernels.wetness.FREE or CLOSING)
+    elements : of the domain, none in a scene without walls
+    fields : needed by walls
+    In arguments, `least` is the smallest `closing` of walls that count (kernels.wetness.FREE or CLOSING).
     """
 
     fields: ClassVar[tuple[str, ...]] = ("weight", "area", "edge", "body", "half", "covered")
@@ -35,10 +35,10 @@ class Boundary:
         self.elements = elements
         self.table = density.table(spacing, lengths.DENSITY * spacing, elements.mesh.dim)
 
-    # -- what completes sums of kernels ----------------------------------------------------
+    # -- completion of kernel sums ---------------------------------------------------------
 
     def cover(self, flow: "Flow") -> tuple[str, ...]:
-        """Find which part of each wall particle has fluid in front of it; return the fields that ghosts need."""
+        """Write the part of each wall particle that fluid covers; return the fields that ghosts need."""
         p = flow.particles
         wetness.covered_walls(p.covered, flow.cloud)
         if self.elements.moving:
@@ -46,8 +46,7 @@ class Boundary:
         return ("covered",)
 
     def completion(self, flow: "Flow", least: int) -> Completion:
-        """Return what completes sums: of the walls that are `least` what is covered. Found once in a step,
-        after the surface."""
+        """Return the completion of sums by the covered parts of walls. Computed once in a step, after the surface."""
         p, known = flow.particles, flow.step.completions
         if least not in known:
             part = np.empty(p.n_all)
@@ -57,35 +56,33 @@ class Boundary:
         return known[least]
 
     def present(self, flow: "Flow", least: int) -> Walls:
-        """Return the elements, as far as they count."""
+        """Return the elements with the part of each that counts."""
         return self.elements.walls._replace(present=self.completion(flow, least).present)
 
     def density(self, ratio: Floats, flow: "Flow", least: int) -> Floats:
-        """Write the density ratio of owned fluid (n_owned,), 1 for walls, and return its gradient (n_owned, dim) [1/m],
-        0 for walls."""
+        """Write the density ratio (n_owned,), 1 at walls; return its gradient (n_owned, dim) [1/m], 0 at walls."""
         found, gradient = self.completion(flow, least), np.empty_like(flow.particles.x)
         density.completed_density(ratio, gradient, flow.cloud, self.present(flow, least), found.weight, found.area,
                                   self.table)
         return gradient
 
     def surplus(self, ratio: Floats, gradient: Floats, share: Floats, flow: "Flow") -> None:
-        """Write what half cells at walls for which no fluid stands contribute.
+        """Write the contribution of half cells at walls that no fluid represents.
 
         ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs
-        share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
+        share : (n_all,), the part of its half cell that fluid represents (halves.wall_share)
         """
         _, weight, area = self.completion(flow, wetness.FREE)
         density.node_sums(ratio, gradient, flow.cloud, self.elements.walls, weight, area, share, self.table)
 
     def cells(self, flow: "Flow") -> Floats:
-        """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""
+        """Return the part (n_all,) of its cell that each particle fills, as for kernels.surface_rows."""
         return np.where(flow.particles.half_all == 1, 0.5, flow.cells)
 
-    # -- what keeps fluid off --------------------------------------------------------------
+    # -- limits of moves and velocities ----------------------------------------------------
 
     def keep_off(self, move: Floats, flow: "Flow", distance: float | None = None) -> None:
-        """Remove from moves (n_owned, dim) [m] of fluid what leads nearer to a wall than a distance [spacings], by
-        default that of the wall guard."""
+        """Keep moves (n_owned, dim) [m] of fluid a distance [spacings] off walls, by default that of the wall guard."""
         distance = flow.numerics.wall_guard if distance is None else distance
         solids.keep_off(move, flow.cloud, self.elements.walls, distance * flow.spacing)
 
@@ -96,7 +93,7 @@ class Boundary:
     # -- friction --------------------------------------------------------------------------
 
     def viscous(self, flow: "Flow", seen: Array) -> tuple[Array, Walls]:
-        """Return which particles the viscous force sees, kind (n_all,) or ABSENT, and the elements of walls.
+        """Return the particles that the viscous force sees, kind (n_all,) or ABSENT, and the elements of walls.
 
         seen : (n_all,) kind, ABSENT for walls behind air
         """
@@ -104,15 +101,15 @@ class Boundary:
         there = ((e.nodes < 0) | (seen[e.nodes] != ABSENT)).all(axis=1)    # a lid above the water ends at wet walls
         sticks = (p.no_slip_all[e.nodes] == 1).all(axis=1)
         u = np.where(sticks[:, None], p.u_all[e.nodes].mean(axis=1), e.velocity)
-        # the velocity of free water is not known on a convex edge, whose nodes carry no row
+        # slip velocities are unknown on a convex edge, whose nodes have no row
         unknown = (p.kind_all == WALL) & (p.edge_all == CONVEX) & (p.no_slip_all == 0)
         walls = e.walls._replace(velocity=u, sticks=sticks, present=there.astype(float))
         return np.where(unknown, np.int8(ABSENT), seen), walls
 
     def rub(self, out: Floats, flow: "Flow", law: Friction) -> None:
-        """Add the friction of walls that fluid slips along to out (n_owned, dim) [m/s^2]."""
+        """Add the friction of free-slip walls to out (n_owned, dim) [m/s^2]."""
         p, e = flow.particles, self.elements
-        # walls at rest may slide, as a lid does; those that move have their velocity from their motion
+        # walls without a motion may still slide, as a lid does
         u = np.where((e.motion == 0)[:, None], p.wall_u_all[e.nodes].mean(axis=1), e.velocity)
         walls = e.walls._replace(velocity=u, sticks=(p.no_slip_all[e.nodes] == 1).all(axis=1))
         wall_law.rub(out, flow.cloud, walls, p.u_all, wall_law.Law(law.viscosity, law.roughness, flow.step.dt))
@@ -120,28 +117,27 @@ class Boundary:
     # -- walls that move -------------------------------------------------------------------
 
     def leave_out(self, flow: "Flow") -> None:
-        """Write the role of wall particles that are never in a stencil."""
+        """Write the role of wall particles that no stencil uses."""
         p = flow.particles
         p.role[(p.kind == WALL) & (p.edge == CONVEX)] = DRY
         if self.elements.moving:
             p.role[self.elements.before_moving(p) < NO_ROOM * flow.spacing] = DRY
 
     def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
-        """Put walls where they are at a time [s], in a step from start to stop [s]."""
+        """Move walls to their places at a time [s] in a step from start to stop [s]."""
         if self.elements.moving:
             self.elements.place(at, start, stop)
             self.elements.put(flow.particles)
 
     def acceleration(self, flow: "Flow") -> Floats | None:
-        """Return the acceleration of owned wall particles in the step, (n_owned, dim) [m/s^2], 0 for fluid; None if all
-        walls rest."""
+        """Return the acceleration of owned wall particles (n_owned, dim) [m/s^2], 0 for fluid; None if walls rest."""
         e = self.elements
         return e.of_particles(e.a, flow.particles) if e.moving else None
 
     def normal_acceleration(self, flow: "Flow") -> Floats | None:
-        """Return that of fluid which slides along walls, at owned particles (n_owned,) [m/s^2]; None if all walls rest.
+        """Return the normal acceleration (n_owned,) [m/s^2] of fluid that slides along walls; None if all walls rest.
 
-        n . a of the wall, and what turns the fluid with it: - 2 dn/dt . (u - u_w), as Coriolis' force in its frame.
+        It is n . a of the wall - 2 dn/dt . (u - u_w), the Coriolis force in the frame of the wall.
         """
         p, e = flow.particles, self.elements
         if not e.moving:
@@ -154,13 +150,13 @@ class Boundary:
         """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
         return self.elements.longest_step(time, flow.numerics.cfl)
 
-    # -- what is known of the pressure beside walls ----------------------------------------
+    # -- pressure slopes at walls ----------------------------------------------------------
 
     def known_slopes(self, flow: "Flow") -> Flags:
-        """Return which particles (n_all,) are walls with one normal, across which the slope of pressure is known.
+        """Return which particles (n_all,) are walls with one normal and a known normal derivative of pressure.
 
-        Also dry ones: the pressure of a wave goes on above its surface, as far as a stencil reaches. But not those
-        that are apart and from which gravity pulls the water, as a lid above it.
+        They include dry ones: the pressure of a wave continues above its surface within reach of a stencil. Walls that
+        are apart and from which gravity pulls the water, as a lid above it, do not count.
         """
         p = flow.particles
         closing = p.closing_all if flow.open else ALL_WET
@@ -169,9 +165,9 @@ class Boundary:
         return found
 
     def slope(self, flow: "Flow", along: Floats | None) -> Floats:
-        """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
+        """Return the normal derivative (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
 
-        None stands for 0. Of the pressure, along is rho times the force, and walls that move have less of it.
+        None stands for a zero gradient. For pressure it is rho times the force; moving walls subtract their inertia.
         """
         p, e = flow.particles, self.elements
         if along is None:
@@ -187,8 +183,7 @@ class Boundary:
                       form: Form) -> None:
         """Repeat a linear fit out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
 
-        known : (n_owned,) bool, where out stays; slope : (n_all, dim), what the gradient is across walls at rest, None
-        for 0
+        known : (n_owned,) bool, where out stays; slope : (n_all, dim), gradient across walls at rest, None for 0
         """
         e = self.elements
         here = np.zeros_like(flow.particles.x_all) if slope is None else slope

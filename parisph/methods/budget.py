@@ -1,4 +1,4 @@
-"""The energy budget of a step: what the fluid gains by each of its parts."""
+"""Energy budget of a step: the gain of the fluid by each part."""
 
 import numpy as np
 from mpi4py import MPI
@@ -11,14 +11,14 @@ from parisph.parallel.particles import Particles
 class Budget:
     """Measures the energy of the fluid between the parts of a step.
 
-    The energy is that of the probe Energy: kinetic and potential in a uniform, constant body force, with the
-    volume that each particle represents at the start. Only differences count, so the potential has no datum.
+    The energy is that of the probe Energy: kinetic and potential in a uniform, constant body force, with the initial
+    volume of each particle. Only differences count, so the potential needs no datum.
 
     Parameters
     ----------
-    density : float [kg/m^3]
+    density : [kg/m^3]
     gravity : (dim,) [m/s^2], zero for a force without a potential
-    causes : what may change the energy; the first, pressure, is prediction, pressure and movement, with the exchange of
+    causes : of energy changes; the first, pressure, includes prediction, pressure and movement, and the exchange of
         kinetic and potential energy between them
     """
 
@@ -32,16 +32,16 @@ class Budget:
         self._last = self._energy(particles)
 
     def mark(self, particles: Particles, cause: str) -> None:
-        """Attribute to `cause` what the energy has changed by since the last mark. Not collective.
+        """Attribute the change of energy since the last mark to `cause`. Not collective.
 
-        Particles may have changed their ranks: only the sum over the ranks has a meaning.
+        Particles may change ranks in between: only the sum over ranks has a meaning.
         """
         now = self._energy(particles)
         self._gains[self.causes.index(cause)] += now - self._last
         self._last = now
 
     def move(self, cause: str, other: str, gain: float) -> None:
-        """Attribute a gain [J, in 2D J/m] to another cause than it was attributed to. Not collective."""
+        """Move an attributed gain [J, in 2D J/m] from one cause to another. Not collective."""
         self._gains[self.causes.index(cause)] -= gain
         self._gains[self.causes.index(other)] += gain
 
@@ -60,7 +60,7 @@ class Budget:
 
 
 class NoBudget:
-    """Stands for a Budget that nobody asked for: does nothing."""
+    """A Budget that does nothing, for runs without one."""
 
     causes: tuple[str, ...] = ()
 

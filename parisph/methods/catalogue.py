@@ -1,4 +1,4 @@
-"""The parts of a scene: from the words and numbers of a case, and what follows from them."""
+"""The parts of a scene, found from the words and numbers of its case."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -53,13 +53,13 @@ WORDS: dict[str, Registry[Any]] = {    # the fields of Numerics that name one pa
     "laplacian": LAPLACIANS, "divergence": DIVERGENCES, "wall_rows": WALL_ROWS, "gradient": GRADIENTS,
     "surface_gradient": SURFACE_GRADIENTS, "surface_rule": SURFACES, "source": SOURCES}
 
-# What in a case asks for the forces of some physics.
+# Fields of a case that switch on the forces of some physics.
 ASKED = {"viscous": "fluid.viscosity or numerics.smagorinsky", "friction": "friction"}
 
 
 @dataclass(frozen=True)
 class Parts:
-    """The parts that the numbers of a case switch on, and what follows from them.
+    """The parts that the numbers of a case switch on, and their properties.
 
     numerics : ResolvedNumerics
     """
@@ -79,7 +79,7 @@ class Parts:
     def of(cls, numerics: ResolvedNumerics, physics: Collection[str] = ()) -> "Parts":
         """Return the parts of a scene. Not collective.
 
-        physics : what the scene has, words of vocabulary.PHYSICS
+        physics : of the scene, words of vocabulary.PHYSICS
         """
         n = numerics
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
@@ -95,12 +95,12 @@ class Parts:
 
     @cached_property
     def velocity_regularisers(self) -> tuple[Regulariser, ...]:
-        """Those of velocities, in their order."""
+        """Regularisers of velocities, in order."""
         return tuple(part for part in self.regularisers if not part.moves)
 
     @cached_property
     def position_regularisers(self) -> tuple[Regulariser, ...]:
-        """Those of positions, in their order."""
+        """Regularisers of positions, in order."""
         return tuple(part for part in self.regularisers if part.moves)
 
     @cached_property
@@ -122,7 +122,7 @@ class Parts:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """What can change the energy of the fluid in a step: columns of the budget."""
+        """Possible causes of energy changes in a step: columns of the budget."""
         working = (part.cause for part in self.forces if part.cause)
         return tuple(dict.fromkeys(("pressure", *working, *(part.cause for part in self.regularisers))))
 
@@ -142,7 +142,7 @@ class Parts:
                 *(part.words for part in self.regularisers)]
 
     def check(self, dim: int) -> None:
-        """Raise CaseError for a part that does not work in so many dimensions."""
+        """Raise CaseError for a part that does not work in this number of dimensions."""
         for field, part in self._asked():
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
@@ -150,7 +150,7 @@ class Parts:
                                 f"{self._remedy(part, dim)}")
 
     def _asked(self) -> Iterator[tuple[str, Part]]:
-        """Yield the parts, each with what of the case asks for it."""
+        """Yield each part with the words of the case that switch it on."""
         n = self.numerics
         for field in WORDS:
             word = getattr(n, field)
@@ -163,7 +163,7 @@ class Parts:
             yield f"numerics.regularisers = {part.name}{own}", part
 
     def _remedy(self, part: Part, dim: int) -> str:
-        """Return what to do about a part that does not work."""
+        """Return the remedy for a part that does not work."""
         field = next((field for field in WORDS if WORDS[field].get(part.name) is part), None)
         if field is None:
             if isinstance(part, Regulariser):
@@ -175,7 +175,7 @@ class Parts:
 
 
 class CompressibleParts:
-    """What a scene needs for weakly compressible SPH, as `catalogue.Parts` is for projections."""
+    """The counterpart of `catalogue.Parts` for weakly compressible SPH."""
 
     reach = 2.0 * lengths.SPH
     causes = ("pressure",)
@@ -195,23 +195,23 @@ class CompressibleParts:
                 "half step of velocities"]
 
     def check(self, dim: int) -> None:
-        """Raise CaseError for what weakly compressible SPH cannot do."""
+        """Raise CaseError for numbers that weakly compressible SPH does not support."""
         n = self.numerics
         if n.smagorinsky:
             raise CaseError(f"numerics.smagorinsky = {n.smagorinsky:g}: "
-                            "weakly compressible SPH has its artificial viscosity; leave it out, "
+                            "weakly compressible SPH has artificial viscosity only; leave it out, "
                             "or choose a projection method")
 
 
 def parts_of(numerics: ResolvedNumerics, physics: Collection[str] = ()) -> Parts | CompressibleParts:
-    """Return the parts of a method: Parts of a projection, or CompressibleParts. Not collective. See Parts.of."""
+    """Return the Parts of a projection method, or CompressibleParts. Not collective. Arguments as of Parts.of."""
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)
     return Parts.of(numerics, physics)
 
 
 def unread(numerics: Numerics) -> list[str]:
-    """Return a line for each number, not 0, that a case gives and no regulariser of it reads.
+    """Return a line for each given number, not 0, that no regulariser of the case reads.
 
     numerics : as the user gave them
     """
@@ -222,11 +222,11 @@ def unread(numerics: Numerics) -> list[str]:
     for word in sorted({word for part in REGULARISERS.values() for word in part.reads} - own):
         if word in numerics.model_fields_set and getattr(numerics, word):
             readers = [name for name, part in REGULARISERS.items() if word in part.reads]
-            found.append(f"numerics.{word} = {getattr(numerics, word):g} has no effect: this scene has no regulariser "
-                         f"that reads it, which are {', '.join(readers)}; leave it out, or choose another preset")
+            found.append(f"numerics.{word} = {getattr(numerics, word):g} has no effect: this scene has none of the "
+                         f"regularisers that read it: {', '.join(readers)}; leave it out, or choose another preset")
     return found
 
 
 def warning(numerics: Numerics) -> str:
-    """Return what a user must know before running the method of a case, or nothing."""
+    """Return a warning about the method of a case, or ""."""
     return METHODS[numerics.method].warning

@@ -18,7 +18,7 @@ from parisph.methods.reports import StepReport
 
 EQUATIONS = {"tait": (weakly.tait_pressure, weakly.tait_density),
              "linear": (weakly.linear_pressure, weakly.linear_density)}
-SURFACE_EVERY = 20      # steps between two looks for the free surface, which only probes and pictures need
+SURFACE_EVERY = 20      # steps between searches for the free surface, which only probes and pictures need
 OPEN = 1.5              # div r of 2 inside (3D: 3 and 2.25) below which a particle is on the surface
 
 
@@ -34,27 +34,27 @@ class CompressibleReport(StepReport):
 
     @classmethod
     def columns(cls) -> dict[str, str]:
-        """Return {column: unit} of its line, but the energies."""
+        """Return {column: unit} of its line, without energies."""
         return {"dt": "s", "surface": "", "compression": "", "speed": "m/s", "left": ""}
 
     def words(self) -> str:
-        """Return what the line of progress says about the step."""
+        """Return its part of the progress line."""
         return f"compression {self.compression:.1e}  fastest {self.speed:.3g} m/s"
 
 
 class Compressible:
     """Weakly compressible SPH on the particles of one scene, in steps of velocity Verlet.
 
-    u half a step, x and rho a step, p(rho), the acceleration there, u the other half: one evaluation of the forces a
-    step.
+    A step advances u by half, x and rho, then p(rho) and the acceleration, then u by the other half: it evaluates
+    forces once.
 
     Parameters
     ----------
     flow : Flow
     sound : speed of sound [m/s]
     settle : time [s] for which water at rest settles before the start, 0 for none. Sums over pairs lack half their
-        neighbours at the surface, which sinks by a third of a spacing until the rest of them balance gravity
-    gravity : (dim,) [m/s^2], in which it settles: a tank that moves is at rest until then
+        neighbours at the surface, which sinks by a third of a spacing until the others balance gravity
+    gravity : (dim,) [m/s^2], in which it settles, with the tank at rest
     """
 
     def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0,
@@ -64,16 +64,16 @@ class Compressible:
         self.h = lengths.SPH * flow.spacing
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
-        self.accelerations = 0.0, 0.0    # without the mean, as the speed of sound limits these steps
-        self.strain_rate = 0.0           # nor is strain looked at
+        self.accelerations = 0.0, 0.0    # the mean stays 0, as the speed of sound limits these steps
+        self.strain_rate = 0.0           # not measured
         self._steps, self._begun = 0, False
         self.pressure_time = None        # that of the particles
-        self.pressure_window = None      # no means: its pressures follow from densities, not from impulses
+        self.pressure_window = None      # no means, as pressures follow from densities, not impulses
 
-    # -- what the driver asks for ----------------------------------------------------------
+    # -- interface to the driver -----------------------------------------------------------
 
     def start(self, time: float) -> int:
-        """Find densities from the pressure at the start, and the acceleration there; return 0. Collective."""
+        """Compute densities from the initial pressure, and the initial acceleration; return 0. Collective."""
         flow, p = self.flow, self.flow.particles
         self._begun = True
         flow.domain.refresh("u")
@@ -112,7 +112,7 @@ class Compressible:
         return weakly.longest_step(self.h, self.sound, speed, self.flow.numerics.artificial_viscosity, strongest)
 
     def shown(self) -> AbstractContextManager[None]:
-        """Have the pressure that a snapshot shows, within this context: the one that particles have."""
+        """Give particles the pressure that a snapshot shows, within this context: here their own."""
         return nullcontext()
 
     @property
@@ -121,7 +121,7 @@ class Compressible:
         return CompressibleReport.columns()
 
     def state(self) -> dict[str, float]:
-        """Return what a checkpoint needs beside the particles."""
+        """Return the state for a checkpoint, besides the particles."""
         return {"acceleration": self.accelerations[0], "surface_steps": self._steps}
 
     def resume(self, state: dict[str, Any]) -> None:
@@ -139,7 +139,7 @@ class Compressible:
     # -- the parts of the step, in order ---------------------------------------------------
 
     def _settle(self, time: float) -> None:
-        """Let water come to rest, its velocity damped within a hundredth of the time that this takes. Collective."""
+        """Let water come to rest, with its velocity damped within a hundredth of the settling time. Collective."""
         p, left = self.flow.particles, self.settle
 
         def still(x: Floats, t: float) -> Floats:
@@ -171,7 +171,7 @@ class Compressible:
             p.u[fluid] += 0.5 * dt * p.pull[fluid]
 
     def _state(self, force: Floats | None = None) -> weakly.State:
-        """Return the fields as kernels take them; force : (n_all, dim) [m/s^2], where it is needed."""
+        """Return the fields as kernels take them; force : (n_all, dim) [m/s^2], if needed."""
         p = self.flow.particles
         return weakly.State(p.u_all, p.p_all, p.rho_all, p.u_all if force is None else force, self.mass, self.h)
 
@@ -185,7 +185,7 @@ class Compressible:
         return out
 
     def _densities(self, dt: float) -> None:
-        """Change the densities of fluid, and with them its pressure (Eqs 3 and 7)."""
+        """Update the densities and pressures of fluid (Eqs 3 and 7)."""
         flow, p = self.flow, self.flow.particles
         rate = np.empty(p.n_owned)
         weakly.density_rate(rate, flow.cloud, flow.walls.elements.walls, self._state())
@@ -194,11 +194,11 @@ class Compressible:
         p.p[fluid] = self.pressure(p.rho[fluid], self.sound, flow.density)
 
     def _pull(self, time: float, body: Callable[[Floats, float], Floats]) -> None:
-        """Continue pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
+        """Extrapolate pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
         flow = self.flow
         p, d = flow.particles, flow.domain
         d.update("p", "rho")
-        # one row if it is the same everywhere, of which kernels know nothing
+        # kernels cannot read the broadcast row of a uniform force
         state = self._state(np.array(body(p.x_all, time), order="C"))
         weakly.wall_pressure(p.p, flow.cloud, state)
         wall = p.kind == WALL
@@ -210,8 +210,7 @@ class Compressible:
         p.pull[~wall] += state.force[:p.n_owned][~wall]
 
     def _find_surface(self) -> None:
-        """Give fluid its role, for probes and pictures: that of the start, or on the surface where div r is small
-        (Lee et al. 2008)."""
+        """Write the role of fluid, for probes and pictures: the initial one, or by div r (Lee et al. 2008)."""
         flow = self.flow
         p, d, e = flow.particles, flow.domain, flow.walls.elements
         if self.parts.keeps_surface:
@@ -219,7 +218,7 @@ class Compressible:
             return
         spread = np.empty(p.n_owned)
         d.update("role")
-        # walls above the water would fill its surface up
+        # walls above the water must not hide its surface
         seen = np.where(p.role_all == DRY, np.int8(ABSENT), p.kind_all)
         wet = e.walls._replace(present=e.mean_of_nodes((seen != ABSENT).astype(float)))
         surface.position_divergence(spread, flow.cloud._replace(kind=seen), wet, self.h)

@@ -1,18 +1,18 @@
-"""Fluid that fills a scene of any walls, before the first step: even places, and the volume of each particle."""
+"""Filling a scene with fluid before the first step: even places, and the volume of each particle."""
 
 from collections.abc import Iterable
 
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Flags, Floats
 from parisph.base.fields import FLUID, INNER, SURFACE, WALL
-from parisph.kernels import packing, strain
+from parisph.kernels import packing, strain, surface_rows
 from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
 from parisph.methods.flow import Flow
 
-TIE = 1e-3    # spacings by which nodes are moved, so that none is as near to two particles of a lattice
+TIE = 1e-3    # spacings by which nodes are moved, so that none is equally near to two lattice particles
 
 
 def pack(flow: Flow, steps: int = packing.STEPS) -> None:
@@ -31,7 +31,7 @@ def pack(flow: Flow, steps: int = packing.STEPS) -> None:
 
 
 def weigh(flow: Flow, samples: Iterable[tuple[Floats, Floats]]) -> float:
-    """Give each fluid particle the volume of the places that are nearest to it; return their sum [m^dim]. Collective.
+    """Give each fluid particle the volume of the places nearest to it; return their sum [m^dim]. Collective.
 
     samples : places and the volumes around them, at least all near particles of this rank (kernels.packing.volumes)
     """
@@ -43,37 +43,29 @@ def weigh(flow: Flow, samples: Iterable[tuple[Floats, Floats]]) -> float:
     return float(p.comm.allreduce(p.volume[own].sum(), op=MPI.SUM))
 
 
-def halve(flow: Flow) -> None:
-    """Write which fluid stands for half a cell: that on the surface beside walls at the start. Collective.
-
-    Beside a slope it may have a greater volume, though nothing is above it.
-    """
-    p = flow.particles
-    p.half[:] = (p.kind == FLUID) & (p.role == SURFACE) & (np.diff(flow.walls.elements.walls.indptr) > 0)
-    flow.domain.update("half")
-
-
 def weigh_cells(flow: Flow) -> None:
-    """Write the weight of the owned fluid: the volume that it stands for without the half cells of nodes, over s^dim.
+    """Write the weight of the owned fluid: its volume without the half cells of nodes, over s^dim. Collective.
 
-    Then the sum of the kernels over fluid and nodes is that of the water: packing is even, but where layers do not
-    divide the depth, not as dense as a lattice. Each node's half cell is that of its nearest fluid. The mean over the
-    inner fluid around a particle is taken, so that no disorder is kept. Surface particles keep the weight of the
-    lattice: it stays where it is there, and half of their cells is air. Collective.
+    The kernel sum over fluid and nodes is then that of the water: packing is even, but not as dense as a lattice where
+    layers do not divide the depth. Each node's half cell belongs to its nearest fluid. The weight is the mean over the
+    inner fluid around a particle, which removes disorder. Surface particles keep the weight of the lattice, because
+    they stay in place and half of their cells is air. Also marks those that represent half a cell (`halve`).
     """
     p, d, s = flow.particles, flow.domain, flow.spacing
     fluid = np.flatnonzero(p.kind_all == FLUID)
     own = fluid[fluid < p.n_owned]
     inner = own[p.role[own] == INNER]
-    cells = p.volume_all / s**p.dim
+    cells, beside = p.volume_all / s**p.dim, np.zeros(p.n_all)
     d.update(*flow.walls.cover(flow))
     walls = np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
     if len(walls) and len(fluid):
         places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
         nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
-        cells -= np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
+        beside += np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
+    cells -= beside
+    halve(flow, cells, beside > 0.0)
     p.weight[inner] = cells[inner]
-    d.update("weight")
+    d.update("weight", "half")
     mean = np.empty(p.n_owned)
     inside = flow.cloud._replace(kind=np.where(p.role_all == INNER, np.int8(FLUID), np.int8(WALL)))
     strain.mean_over_fluid(mean, inside, p.weight_all, lengths.NEAR * s)
@@ -81,8 +73,26 @@ def weigh_cells(flow: Flow) -> None:
     d.update("weight")
 
 
+def halve(flow: Flow, cells: Floats, at_walls: Flags) -> None:
+    """Mark the surface particles that represent half a cell. Not collective.
+
+    One at a wall is like the nearest one away from walls, because the last one before a slope includes the tip of the
+    water.
+
+    cells : (n_all,), volumes without the half cells of nodes, in cells; at_walls : (n_all,) bool
+    """
+    p = flow.particles
+    surface = (p.kind_all == FLUID) & (p.role_all == SURFACE)
+    edge, free = np.flatnonzero((surface & at_walls)[:p.n_owned]), np.flatnonzero(surface & ~at_walls)
+    p.half[:] = (surface & (cells < surface_rows.HALF))[:p.n_owned]
+    if len(edge) and len(free):
+        like = free[nearest_points(p.x_all[free], p.x[edge], flow.spacing)]
+        near = np.linalg.norm(p.x_all[like] - p.x[edge], axis=1) < lengths.NEAR * flow.spacing
+        p.half[edge[near]] = cells[like[near]] < surface_rows.HALF
+
+
 def scatter(flow: Flow, move: Floats) -> None:
-    """Displace the fluid by move (n_owned, dim) [m], but no nearer to walls than packing does. Collective."""
+    """Displace the fluid by move (n_owned, dim) [m], but no closer to walls than packing does. Collective."""
     flow.walls.keep_off(move, flow, packing.GUARD)
     flow.particles.x[:] += move
     flow.domain.refresh()

@@ -1,4 +1,4 @@
-"""The forces per unit mass, which add up to the acceleration of a step."""
+"""Forces per unit mass, which add up to the acceleration of a step."""
 
 from typing import TYPE_CHECKING
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class Body(Force):
-    """Gravity, and the inertia of a tank that moves.
+    """Gravity, and the inertia of a moving tank.
 
-    Where the divergence of the force varies as a sine, and lifts the surface by .17 d, the level of water at rest is
-    off by up to 3 % within 4 s at d/s = 9. A force that is linear in space leaves it at rest.
+    If the divergence of the force varies as a sine, and the force lifts the surface by .17 d, the level of water at
+    rest errs by up to 3 % within 4 s at d/s = 9. A force that is linear in space keeps it at rest.
     """
 
     name = "body"
@@ -32,12 +32,12 @@ class Body(Force):
 
 
 class Coriolis(Force):
-    """-2 Omega x u in a tank that turns, with the velocity in the middle of the step.
+    """-2 Omega x u in a rotating tank, with the velocity in the middle of the step.
 
-    That is u + dt/2 a, with the acceleration a of the last step: of second order, for water in free flight, whose
-    speed it keeps, as for water in which pressure takes up the force. To turn u by -2 Omega dt would be exact for
-    the first and shrink the second by cos(2 Omega dt) in each step, as pressure takes away what is at right angles
-    to u. At walls, the velocity is the water's along them.
+    That is u + dt/2 a, with the acceleration a of the last step. It is of second order both for water in free flight,
+    whose speed it keeps, and for water in which pressure balances the force. A rotation of u by -2 Omega dt would be
+    exact for the former and shrink the latter by cos(2 Omega dt) in each step, as pressure removes the component normal
+    to u. At walls, the velocity is that of the water along them.
     """
 
     name, source, reach, only, words = "coriolis", "", lengths.WALL, "turning", "Coriolis force"
@@ -57,16 +57,15 @@ class Coriolis(Force):
 
 
 class Viscous(Force):
-    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before
-    them.
+    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls, its normal part is that of the fluid.
 
-    On a free surface there is no stress: no shear, and the pressure is that of `surface_pressure`. A particle that has
-    just come to the surface has p = 0 in its first step there.
+    A free surface has no stress: no shear, and the pressure `surface_pressure`. A new surface particle has p = 0 in its
+    first step.
     """
 
     name, source, reach, only, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, "viscous", "viscous force"
     fields = "no_slip", "wall_u", "nu", "viscous"
-    open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # beside them, with a free surface
+    open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # additional ones with a free surface
 
     def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         open_ones = self.open_fields if SURFACES[numerics.surface_rule].open else ()
@@ -101,11 +100,9 @@ class Viscous(Force):
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
 
     def _update(self, flow: "Flow") -> tuple[Array, Walls]:
-        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air, and the walls
-        as elements. Collective.
-        """
+        """Send fields to the ghosts; return kind (n_all,), ABSENT for walls behind air, and the walls. Collective."""
         p, d = flow.particles, flow.domain
-        if flow.open:    # else all walls are wet
+        if flow.open:    # otherwise all walls are wet
             wetness.touched_walls(p.touched, flow.cloud)
         d.update("u", "nu", "role", *(("touched",) if flow.open else ()))
         seen = np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all) if flow.open else p.kind_all
@@ -113,7 +110,7 @@ class Viscous(Force):
         return found
 
     def _write_viscosity(self, flow: "Flow") -> None:
-        """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
+        """Write nu of owned particles, including the eddy viscosity by the velocity gradient of the previous step."""
         p, n = flow.particles, flow.numerics
         if n.smagorinsky:
             turbulence.eddy_viscosity(p.nu, p.grad_u, p.kind, n.smagorinsky * flow.spacing, flow.axes)
@@ -126,7 +123,7 @@ class Viscous(Force):
 class MorrisViscous(Viscous):
     """nu lap u by the form of Morris, which conserves momentum; on a free surface n . grad u = 0 and p = 0.
 
-    It converges only as long as particles stay on their lattice.
+    It converges only while particles stay on their lattice.
     """
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"

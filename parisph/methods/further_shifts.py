@@ -1,6 +1,6 @@
-"""The shifts of particles in the literature, other than the Fick shift of `positions`.
+"""Particle shifts from the literature, other than the Fick shift of `positions`.
 
-A case names one of them in place of "shift" among its regularisers. None of them turns close pairs.
+A case names one of them instead of "shift" among its regularisers. None of them rotates close pairs.
 """
 
 from abc import abstractmethod
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Shift(Regulariser):
-    """A shift with the weight and the strain of the numbers `shift` and `shift_strain`."""
+    """A shift whose weight and strain factor are the numbers `shift` and `shift_strain`."""
 
     cause, moves = "shift", True
     reads: ClassVar[tuple[str, ...]] = ("shift", "shift_strain")
@@ -44,11 +44,11 @@ class Shift(Regulariser):
 
     @abstractmethod
     def write(self, move: Floats, flow: "Flow", dt: float) -> None:
-        """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Not collective."""
+        """Write the displacement of owned fluid in a step of dt [s] to move (n_owned, dim) [m]. Not collective."""
 
 
 class TensileShift(Shift):
-    """Shifts by C h^2 along -grad C with the term against pairs of particles; at the surface along it."""
+    """Shifts by C h^2 along -grad C with the term against pairing; at the surface along it."""
 
     name, source, words = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term"
     fields = ("grad_alpha",)
@@ -64,12 +64,12 @@ class TensileShift(Shift):
 
 
 def _seen(flow: "Flow") -> tuple[Cloud, Walls]:
-    """Return the cloud and the walls that are not apart from the fluid."""
+    """Return the cloud and the walls without those apart from the fluid."""
     return flow.cloud._replace(kind=flow.seen(wetness.FREE)), flow.walls.present(flow, wetness.FREE)
 
 
 class XuShift(Shift):
-    """Shifts by C v dt from near neighbours, with the largest speed v of the fluid.
+    """Shifts by C v dt away from near neighbours, with the largest speed v of the fluid.
 
     For fluid without a free surface.
     """
@@ -87,7 +87,7 @@ class XuShift(Shift):
 
 
 class LindShift(TensileShift):
-    """Shifts by C h^2 along -grad C with the tensile term; particles of the surface move along it too."""
+    """Shifts by C h^2 along -grad C with the tensile term; surface particles move along the surface."""
 
     name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
 
@@ -100,8 +100,7 @@ class LindShift(TensileShift):
 
 
 class PressureShift(Shift):
-    """Shifts by dt^2/(2 rho) times the excess of the gradient of pressure relative to the least one around each
-    particle."""
+    """Shifts by dt^2/(2 rho) times the excess of the pressure gradient relative to the least pressure nearby."""
 
     name, source, words = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure"
     reach, reads = lengths.MLS, ("shift",)

@@ -1,4 +1,4 @@
-"""Guesses of the next pressure from those of the last steps, from which the solve begins."""
+"""Initial guesses for the pressure solve, from the pressures of the last steps."""
 
 import numpy as np
 
@@ -10,17 +10,17 @@ from parisph.parallel.particles import Particles
 class Guesses:
     """The pressure of the last step, and extrapolations in time along the paths of particles.
 
-    The solve takes the last pressure if it still solves the equation, as at rest, else the one with the least residual,
-    from which it goes on even if that solves the equation (pressure.system.CLOSER). In waves that is the quadratic or
-    the cubic one, with a third fewer iterations to follow, and a sixth fewer than these; in violent flow, where
-    pressures come and go, the linear and the quadratic one change from step to step, with a fifth fewer.
+    The solve takes the last pressure if it still solves the equation, as at rest. Otherwise it starts from the guess
+    with the least residual, and iterates even if that solves the equation (pressure.system.CLOSER). In waves the best
+    guess is the quadratic or the cubic one: a third fewer iterations, and another sixth fewer with the cubic. In
+    violent flow, where pressures come and go, the linear and the quadratic one alternate, with a fifth fewer.
 
-    waves : whether the last extrapolations are the quadratic and the cubic one
+    waves : whether the last extrapolations are quadratic and cubic
 
     Attributes
     ----------
-    fields : that particles need, and further ones for waves
-    times : [s] of the pressures that particles have, the last first; at most three, or four
+    fields : needed by particles, with further ones for waves
+    times : [s] of the stored pressures, the last first; at most three, or four
     """
 
     fields, of_waves = ("p_before", "p_earlier"), ("p_earliest",)
@@ -42,7 +42,7 @@ class Guesses:
         return found
 
     def remember(self, particles: Particles, time: float) -> None:
-        """Keep the pressure that particles have, before they get that of `time` [s]. Not collective."""
+        """Store the pressure of the particles before they get that of `time` [s]. Not collective."""
         p = particles
         self._earliest(p)[:] = p.p_earlier
         p.p_earlier[:] = p.p_before
@@ -53,14 +53,14 @@ class Guesses:
         return particles.p_earliest if self.most == 4 else particles.p_earlier
 
     def restart(self, time: float) -> None:
-        """Forget all pressures but that which particles have, of `time` [s]."""
+        """Forget all pressures except the current one, of `time` [s]."""
         self.times = [time]
 
 
 def _weights(times: list[float], time: float) -> list[float]:
-    """Return Lagrange's weights of values at some times for that at another.
+    """Return Lagrange's weights of values at some times for the value at another.
 
-    They are rounded: with equal steps they are whole numbers, however their times were summed up.
+    They are rounded: with equal steps they are integers despite rounding errors of the times.
     """
     found = []
     for own in times:

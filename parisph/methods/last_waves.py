@@ -1,4 +1,4 @@
-"""What is remembered of the last waves, so that steps do not change within a wave."""
+"""Memory of the last waves, so that steps do not change within a wave."""
 
 import numpy as np
 
@@ -6,16 +6,16 @@ WAVES = 100.0    # tuned 50 to 200: a span of time over sqrt(s/g), several waves
 
 
 class LastWaves:
-    """The largest mean strain rate of the last waves [1/s]: the same all the time in a wave that lasts.
+    """The largest mean strain rate of the last waves [1/s], constant in a steady wave.
 
-    It is the larger maximum of the present span of time and of the one before. A largest value that fades would rise
-    at each crest: steps in proportion to it would change with the wave, which feeds it. A standing wave with a = .05 d,
-    kd = 1 and d/s = 10 gained 2.6 % of its energy in 100 periods.
+    It is the larger maximum of the current and the previous span of time. A decaying maximum would rise at each crest,
+    and steps in proportion to it would change with the wave and feed it: a standing wave with a = .05 d, kd = 1 and d/s
+    = 10 gained 2.6 % of its energy in 100 periods.
 
     Attributes
     ----------
-    values : largest values of the span that goes on, and of the one before [1/s]
-    age : of the span that goes on [s]
+    values : largest values of the current and the previous span [1/s]
+    age : of the current span [s]
     """
 
     def __init__(self) -> None:
@@ -27,9 +27,9 @@ class LastWaves:
         return max(self.values)
 
     def take(self, rate: float, dt: float, wave_time: float) -> None:
-        """Take the rate [1/s] of a step of dt [s] in.
+        """Include the rate [1/s] of a step of dt [s].
 
-        wave_time : sqrt(s/g) [s]; without gravity there are no waves to remember
+        wave_time : sqrt(s/g) [s]; without gravity only this rate counts
         """
         span = WAVES * wave_time
         if not 0.0 < span < np.inf:
@@ -41,7 +41,7 @@ class LastWaves:
         self.values[0] = max(self.values[0], rate)
 
     def state(self) -> list[float]:
-        """Return what a checkpoint needs."""
+        """Return the state for a checkpoint."""
         return [*self.values, self.age]
 
     def resume(self, state: list[float]) -> None:

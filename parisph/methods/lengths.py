@@ -1,4 +1,4 @@
-"""Radii and smoothing lengths in spacings (measured in the numerics of the design)."""
+"""Radii and smoothing lengths in spacings."""
 
 CIRCLE = 0.5          # tuned 0.25 to 1: R of the Rankine circle; Z14
 MLS = 2.1             # tuned 1.5 to 3.5: moving least squares of rows, of the velocity filter, and of films; measured
@@ -10,4 +10,4 @@ QUADRATIC_CIRCLE = 1.0    # tuned 0.5 to 2: R of the circle with quadratic least
 QUADRATIC = 2.6       # tuned 2.1 to 4: quadratic least squares, there and of finite differences; measured
 SURFACE_GAP = 2.0     # tuned 1.5 to 4: neighbours that close the angular gap; measured
 VISCOUS = 2.6         # tuned 2.1 to 4: quadratic least squares of the viscous acceleration; measured
-NEAR = WALL           # reach of neighbour lists that regularisation and walls need, whatever the method
+NEAR = WALL           # reach of neighbour lists that regularisation and walls need with any method

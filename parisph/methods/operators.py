@@ -1,4 +1,4 @@
-"""The operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
+"""Operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
 
 from abc import abstractmethod
 from functools import cache
@@ -44,21 +44,20 @@ from parisph.methods.parts import (
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# Harmonic terms may raise the variance of a slope by this factor at most. Beside a vertical wall they raise it by 2
-# to 4, also in waves.
+# Harmonic terms raise the variance of a slope by 2 to 4 beside a vertical wall, also in waves.
 INFLATION = 6.0    # tuned 3 to 12: limit on the variance of a slope where water does not break; measured
 NEVER = -1.0    # no harmonic terms
 RAPID_INFLATION = 60.0    # tuned 30 to 120: limit on that variance on a surface that breaks; measured
-# The same in wall rows of water that breaks. On a lattice they raise it by 1.3 to 1.4 at walls, 2.8 just below the
-# surface and 5 in corners. Rows below the tip of a tongue, which are of the second kind, hold it up: with limits of 3
-# and more the dam break (H/s = 40) comes to the wall .02 sqrt(H/g) late; with 1.8 and 2.5 it does
-# not. Chosen on three starts; on three others P2 errs by .042, and by .055 with SFDI rows and no such knowledge.
+# In wall rows on a lattice, harmonic terms raise it by 1.3 to 1.4, by 2.8 just below the surface, and by 5 in corners.
+# Harmonic rows below the tip of a tongue delay it: with limits of 3 and more the dam break (H/s = 40) comes to the wall
+# .02 sqrt(H/g) late, with 1.8 and 2.5 it does not. Chosen on three starts; on three others P2 errs by .042, and by .055
+# with SFDI rows.
 RAPID_WALL_INFLATION = 2.5    # tuned 1.25 to 5: limit on that variance in wall rows of water that breaks; measured
-# det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic: with the plain weight, over r^2
+# Floors of det/(trace/dim)^dim of the neighbours' moment, below which a particle is ballistic.
 FLOOR = 0.05        # tuned 0.025 to 0.1: floor of the neighbours' moment with the plain weight, else ballistic; judged
 SFDI_FLOOR = 0.2    # tuned 0.1 to 0.4: floor of the neighbours' moment with the weight over r^2; judged
 
-directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
+directions = cache(rankine.directions)    # kernels only read them
 
 
 def _circle(cloud: Cloud, size: float, radius: float) -> Circle:
@@ -69,7 +68,7 @@ def _circle(cloud: Cloud, size: float, radius: float) -> Circle:
 class Rankine(Laplacian):
     """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola.
 
-    circle : its radius R in spacings; a subclass with another one is a Laplacian of its own (Z14 Fig 10 compares three)
+    circle : its radius R in spacings, which a subclass may change (Z14 Fig 10 compares three)
     """
 
     name, source, reach = "rankine", "Z14 Eq 23, normalised", lengths.MLS
@@ -88,7 +87,7 @@ class RankinePrinted(Rankine):
 
 
 class Sparse(Laplacian):
-    """Rows that are given up where neighbours do not suffice: they become the mean of their neighbours."""
+    """Rows that become the mean of the neighbours where these do not suffice."""
 
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
         self.laplacian(rows, cloud)
@@ -96,7 +95,7 @@ class Sparse(Laplacian):
 
     @abstractmethod
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        """Fill the rows of inner particles that have neighbours enough."""
+        """Fill the rows of inner particles with enough neighbours."""
 
 
 class Sph(Sparse):
@@ -168,8 +167,8 @@ class FluxDivergence(Divergence):
 class SfdiWalls(WallRows):
     """First-order weighted least squares.
 
-    The error has one sign, whatever the arrangement: of p = y^2/2 above a flat wall every neighbour finds a slope that
-    is too large, in proportion to its height.
+    The error has one sign: for p = y^2/2 above a flat wall every neighbour gives a slope that is too large, in
+    proportion to its height.
     """
 
     name, source, reach = "sfdi", "Z14 Eq 26b, with Eq A6 corrected", lengths.WALL
@@ -178,8 +177,7 @@ class SfdiWalls(WallRows):
         walls.sfdi_rows(rows, cloud, lengths.WALL * cloud.spacing)
 
     def complete(self, right: Floats, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        """Add what a body force that is not uniform, and vorticity, bend the pressure by: water at rest in a linear
-        force stays so, and such that turns with its tank."""
+        """Add the effect of a non-uniform body force and of vorticity, for which water can then be at rest."""
         if (bending := flow.bending) is not None:
             _complete_rows(right, rows, cloud, bending)
 
@@ -193,7 +191,7 @@ class HarmonicWalls(SfdiWalls):
     """Least squares exact for harmonic pressure; first-order ones where neighbours do not suffice."""
 
     name, source = "harmonic", ""
-    most = np.inf    # by which terms of degree 2 may raise the variance of a slope
+    most = np.inf    # factor by which terms of degree 2 may raise the variance of a slope
 
     def fill(self, rows: Rows, cloud: Cloud) -> None:
         super().fill(rows, cloud)
@@ -201,9 +199,9 @@ class HarmonicWalls(SfdiWalls):
 
 
 class CurvedWalls(HarmonicWalls):
-    """Harmonic rows that know how the pressure bends beside them, so that they are exact for quadratics.
+    """Harmonic rows with known second differences of the pressure, exact for quadratics.
 
-    With a gradient that knows this too ("curved", "cubic"): beside a linear one, what rows and gradient differ by
+    They need a gradient that knows these too ("curved", "cubic"): with a linear one, the mismatch of rows and gradient
     leaves divergence in each step, and the level rises (kernels.curvature). Not for violent flow: columns two particles
     wide beside a wall gain .4 % of their energy, and falls against a box .5 %.
     """
@@ -215,15 +213,15 @@ class CurvedWalls(HarmonicWalls):
 
 
 class CurvedBreakingWalls(CurvedWalls):
-    """The same for water that runs along walls: first-order rows where few neighbours make harmonic ones uncertain."""
+    """CurvedWalls for water that runs along walls: first-order rows where neighbours are few."""
 
     name, most = "curved_breaking", RAPID_WALL_INFLATION
 
 
 class LeastSquares(Gradient):
-    """First-order weighted least squares, the weight over r^power.
+    """First-order weighted least squares, with the weight over r^power.
 
-    floor : det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic
+    floor : value of det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic
     """
 
     power, floor = 0, FLOOR
@@ -236,12 +234,12 @@ class LeastSquares(Gradient):
         self.fit(out, np.zeros(len(out), np.bool_), f, flow, along)
 
     def fit(self, out: Floats, known: Flags, f: Floats, flow: "Flow", along: Floats | None) -> None:
-        """Write the linear fit to out (n_owned, dim) but where it is `known` (n_owned,) bool; others as of `write`."""
+        """Write the linear fit to out (n_owned, dim), except where `known` (n_owned,) bool; others as of `write`."""
         gradient.least_squares_gradient(out, known, flow.cloud, f, self.form(flow.spacing))
         flow.walls.mend_gradient(out, known, f, along, flow, self.form(flow.spacing))
 
     def complete(self, out: Floats, flow: "Flow") -> None:
-        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        """Add the effect of a non-uniform body force and of vorticity."""
         if (bending := flow.bending) is not None:
             _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
 
@@ -253,11 +251,11 @@ class Mixed(LeastSquares):
 
 
 class Cubic(Mixed):
-    """Least squares by harmonic polynomials of degree 3, which know the slope across walls and the Laplacian.
+    """Least squares by harmonic polynomials of degree 3, with the slopes across walls and the Laplacian as data.
 
-    Where neighbours do not suffice, of degree 2, and else as "mixed". At the surface too if its gradient is "same".
-    Errors on a lattice that a wave strains have a mean in time, which drives vortices: with terms of degree 2 alone
-    inside it is ten times as large.
+    Where neighbours do not suffice, the degree is 2, or the gradient is "mixed". It also applies at the surface if the
+    gradient there is "same". Errors on a lattice that a wave strains have a mean in time, which drives vortices: with
+    terms of degree 2 alone inside it is ten times as large.
     """
 
     name, source, reach, fields, whole = "cubic", "", lengths.WALL, ("laplacian",), True
@@ -271,7 +269,7 @@ class Cubic(Mixed):
         self.fit(out, found, f, flow, along)
 
     def complete(self, out: Floats, flow: "Flow") -> None:
-        pass    # it knows how the pressure bends
+        pass    # `write` includes the second differences
 
 
 class Sfdi(LeastSquares):
@@ -282,7 +280,7 @@ class Sfdi(LeastSquares):
 
 
 class Spline(LeastSquares):
-    """With the cubic spline for a weight, over the support of the SPH kernels."""
+    """With the cubic spline as weight, over the support of the SPH kernels."""
 
     name, source, reach, power = "spline", "Z17 Eq 28", 2.0 * lengths.SPH, SPLINE
 
@@ -314,7 +312,7 @@ class Symmetric(LeastSquares):
         flow.walls.mend_gradient(out, np.zeros(len(out), np.bool_), f, along, flow, self.form(s))
 
     def complete(self, out: Floats, flow: "Flow") -> None:
-        pass    # it is not even exact for a linear pressure
+        pass    # not even exact for linear pressure
 
 
 class Same(Gradient):
@@ -330,11 +328,11 @@ class Same(Gradient):
 class HarmonicSurface(Gradient):
     """At surface particles, least squares exact for harmonic pressure.
 
-    A surface that keeps its particles keeps a lone one in the tip of a wedge, too. Its few neighbours suffice for the
-    harmonic terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e
-    in .2 to 6 s, where the inflation was above 7; without the terms in 90 s or more). In violent flow the tip of a
-    tongue needs them: with the same limit, the pressure of its impact is off by .12 to .21 instead of .07. There the
-    limit only stops what drives single particles of a sheet towards higher pressure as it collapses.
+    A frozen surface also keeps a single particle in the tip of a wedge. Its few neighbours suffice for the harmonic
+    terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e in .2 to 6
+    s, where the inflation was above 7; without the terms in 90 s or more). In violent flow the tip of a tongue needs
+    them: with the same limit, the pressure of its impact errs by .12 to .21 instead of .07. The limit there only stops
+    single particles of a collapsing sheet from moving towards higher pressure.
     """
 
     name, reach = "harmonic", lengths.WALL
@@ -344,20 +342,20 @@ class HarmonicSurface(Gradient):
         gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, self.most(flow))
 
     def complete(self, out: Floats, flow: "Flow") -> None:
-        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        """Add the effect of a non-uniform body force and of vorticity."""
         if (bending := flow.bending) is not None:
             _bend(out, flow, bending, SURFACE, _form(flow), self.most(flow), NEVER)
 
     def most(self, flow: "Flow") -> float:
-        """Return by how much the harmonic terms may raise the variance of the slope."""
+        """Return the factor by which the harmonic terms may raise the variance of the slope."""
         return INFLATION if SURFACES[flow.numerics.surface_rule].keeps else RAPID_INFLATION
 
 
 class CurvedSurface(HarmonicSurface):
-    """Harmonic gradients that know how the pressure bends, so that they are exact for quadratics.
+    """Harmonic gradients with known second differences of the pressure, exact for quadratics.
 
     Only where the fit is good, in violent flow as well: elsewhere it would feed single particles of a sheet. In the dam
-    break (H/s = 40, three starts) P2 errs by .05 to .16 where it is used up to RAPID_INFLATION, else by .05.
+    break (H/s = 40, three starts) P2 errs by .05 to .16 if it is used up to RAPID_INFLATION, else by .05.
     """
 
     name, fields = "curved", ("laplacian",)
@@ -368,7 +366,8 @@ class CurvedSurface(HarmonicSurface):
 
 
 class Curved(Mixed):
-    """The pressure of the flow by a fit that knows how it bends, exact for quadratics; other fields as "mixed"."""
+    """The gradient of pressure by a fit with known second differences, exact for quadratics; of other fields "mixed".
+    """
 
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
@@ -378,14 +377,14 @@ class Curved(Mixed):
 
 
 def _form(flow: "Flow") -> Form:
-    """Return the form of fits that know how the pressure bends."""
+    """Return the form of fits with known second differences."""
     return Form(lengths.WALL * flow.spacing, LeastSquares.power, LeastSquares.floor)
 
 
 def _bend(out: Floats, flow: "Flow", bending: Bending, where: int, form: Form, most: float, kept: float) -> None:
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`.
 
-    form : of the linear fit that `out` is
+    form : of the linear fit in `out`
     """
     curvature.gradient(out, flow.cloud, flow.particles.p_all, bending, where, form, most, kept)
 

@@ -1,7 +1,7 @@
-"""The parts of a method: what each of them declares, and the registries that know them by name.
+"""Parts of a method: their declarations, and the registries that know them by name.
 
-A part gets the Flow and arrays, never the method. What a scene needs follows from its parts: its fields, how far
-neighbour lists reach, which dimensions it can have, its longest time step, and the stages that `parisph check` prints.
+A part gets the Flow and arrays, never the method. The parts of a scene determine its fields, the reach of neighbour
+lists, its possible dimensions, its longest time step, and the stages that `parisph check` prints.
 """
 
 from abc import ABC, abstractmethod
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 
 class Part(ABC):
-    """What every part declares. Values that depend on numbers of the case are asked for with them.
+    """Base of all parts. Methods take the numbers of the case for properties that depend on them.
 
     Attributes
     ----------
     name : the word of a case
-    source : where it is from, such as "Z14 Eq 23", or "" for our own
+    source : such as "Z14 Eq 23", or "" for our own
     reach : radius in spacings within which it needs neighbours
-    fields : names of the fields it needs (base.fields), beside those that every scene has
+    fields : names of the fields it needs (base.fields), in addition to those of every scene
     dims : numbers of dimensions in which it works
     """
 
@@ -48,19 +48,16 @@ class Part(ABC):
 
     @property
     def limits_step(self) -> bool:
-        """Whether `longest_step` can be less than infinite."""
+        """Whether `longest_step` can be finite."""
         return type(self).longest_step is not Part.longest_step
 
     def longest_step(self, flow: "Flow") -> float:
-        """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it.
-
-        Not collective.
-        """
+        """Return the longest time step [s] that it allows on this rank, infinite without a limit. Not collective."""
         return np.inf
 
 
 class Laplacian(Part):
-    """Rows of inner particles. With row_I(p) = p_I - sum_J values_J p_J they mean row_I(p) = -measure_I lap p.
+    """Rows of inner particles: p_I - sum_J values_J p_J = -measure_I lap p.
 
     gives : name of the divergence whose stencils `fill` writes as well, or ""
     linear : whether the rows are exact for linear pressure on any particles; else the step balances the body force
@@ -73,7 +70,7 @@ class Laplacian(Part):
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
         """Write count, columns, values and measure of inner particles. Not collective.
 
-        u : (n_all, dim) [m/s], for the flux divergence if it gives it
+        u : (n_all, dim) [m/s], for the flux divergence if it gives one
         """
 
 
@@ -93,8 +90,7 @@ class WallRows(Part):
         """Write count, columns, values and measure of wet wall particles. Not collective."""
 
     def complete(self, right: Floats, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        """Add what the rows need to know of the pressure beside its normal derivative to the right-hand side
-        (n_owned,) [Pa]. Not collective.
+        """Add other known effects of the pressure to the right-hand side (n_owned,) [Pa]. Not collective.
 
         rows : as filled, with the roles of flow.particles
         """
@@ -103,7 +99,7 @@ class WallRows(Part):
 class Gradient(Part):
     """The gradient of pressure at fluid particles.
 
-    whole : whether the field laplacian must hold the whole Laplacian of the pressure, with that by the body force
+    whole : whether the field laplacian must hold the whole Laplacian of the pressure, including that by the body force
     """
 
     whole: ClassVar[bool] = False
@@ -113,31 +109,25 @@ class Gradient(Part):
               laplacian: Floats | None = None) -> None:
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
-        along : (n_all, dim), what the gradient is across walls at rest (methods.boundary), None for 0
-        laplacian : (n_owned,) of f, for parts that are `whole`, None for 0
-
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
+
+        along : (n_all, dim), the gradient across walls at rest (methods.boundary), None for 0
+        laplacian : (n_owned,) of f, for parts that are `whole`, None for 0
         """
 
     def complete(self, out: Floats, flow: "Flow") -> None:
-        """Add what is known of the pressure of the flow, and of no other field, to its gradient (n_owned, dim) [Pa/m].
-
-        Not collective.
-        """
+        """Add effects known only of the flow's pressure to its gradient (n_owned, dim) [Pa/m]. Not collective."""
 
     def form(self, spacing: float) -> Form | None:
-        """Return the form of a fit by weighted least squares, which walls of any shape can mend.
-
-        None for other gradients.
-        """
+        """Return the form of a fit by weighted least squares that walls can mend, or None."""
         return None
 
 
 class Surface(Part):
     """A rule for the free surface.
 
-    open : whether there may be a free surface at all
-    keeps : whether particles on it stay on it
+    open : whether a free surface is possible
+    keeps : whether particles stay on it
     """
 
     open: ClassVar[bool] = True
@@ -155,20 +145,20 @@ class Source(Part):
     """The right-hand side of the pressure equation."""
 
     def words(self, numerics: ResolvedNumerics) -> str:
-        """Return what `parisph check` says of it with the numbers of a case, or nothing."""
+        """Return its description in `parisph check` with the numbers of a case, or ""."""
         return ""
 
     @abstractmethod
     def target(self, flow: "Flow", dt: float) -> Floats:
-        """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
+        """Return the wanted lap p at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
 
 
 class Force(Part):
     """A force per unit mass.
 
-    only : word of vocabulary.PHYSICS, if only a scene with it feels the force, or "" if all scenes do
+    only : word of vocabulary.PHYSICS of the scenes that feel it, or "" for all scenes
     cause : column of the energy budget, or "" if pressure works against it within a step
-    words : what `parisph check` calls it, or "" for what every scene has
+    words : its name in `parisph check`, or "" for forces of every scene
     """
 
     only: ClassVar[str] = ""
@@ -178,10 +168,10 @@ class Force(Part):
     def __init_subclass__(cls, **further: Any) -> None:
         super().__init_subclass__(**further)
         if cls.only not in ("", *vocabulary.PHYSICS):
-            raise ValueError(f"force {cls.__name__}: only = {cls.only!r} is no physics of a scene; "
+            raise ValueError(f"force {cls.__name__}: only = {cls.only!r} is not a kind of physics; "
                              f"choose {', '.join(vocabulary.PHYSICS)}, or leave it out")
         for word in ("viscous", "turning", "absorbing"):
-            if getattr(cls, word, False) is True:    # how it was said before
+            if getattr(cls, word, False) is True:    # an older form
                 raise ValueError(f"force {cls.__name__}: {word} = True has no effect; write only = \"{word}\"")
 
     @abstractmethod
@@ -189,7 +179,7 @@ class Force(Part):
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
     def work(self, flow: "Flow", start: Floats) -> float:
-        """Return what owned fluid has gained by it in the step [J, in 2D J/m], for a part with a cause. Not collective.
+        """Return the energy that it gave to owned fluid in the step [J, in 2D J/m], if it has a cause. Not collective.
 
         start : (n_owned, dim) velocity before the step [m/s]
         """
@@ -201,16 +191,16 @@ class Regulariser(Part):
 
     moves : whether it changes positions; else velocities
     strain : whether its strength is in proportion to the strain of the step
-    needs_fit : whether it uses StepState.beyond_fit, which the pass for the strain finds if there is one
+    needs_fit : whether it uses StepState.beyond_fit, which the pass for the strain computes if there is one
     needs_potential : whether it uses StepState.potential
     free : whether it may move particles farther than positions.CAP
     carries : whether velocities follow its moves, by the field grad_u
-    reads : the numbers of Numerics that only some regularisers read, and that this one does
+    reads : numbers of Numerics that it reads, and that only some regularisers do
     cause : column of the energy budget
-    words : what `parisph check` calls it
+    words : its name in `parisph check`
 
-    All regularisers of velocities see the same state, and so do those of positions: each is prepared, one message
-    brings the ghosts all that is needed, and then the changes are computed, and added in their order.
+    All regularisers of velocities see the same state, and so do those of positions: after each is prepared, one message
+    updates the ghosts, and all changes are computed, then added in order.
     """
 
     moves: ClassVar[bool] = False
@@ -224,7 +214,7 @@ class Regulariser(Part):
     words: ClassVar[str]
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        """Write the fields that `change` needs of neighbours, and put their names into flow.stale. Collective."""
+        """Write the fields that `change` needs of neighbours, and add their names to flow.stale. Collective."""
 
     @abstractmethod
     def change(self, flow: "Flow", dt: float) -> Floats:
@@ -235,10 +225,10 @@ class Regulariser(Part):
 
 
 class Limiter(Regulariser):
-    """A regulariser that acts on what those before it have left."""
+    """A regulariser that acts on the result of those before it."""
 
     def change(self, flow: "Flow", dt: float) -> Floats:
-        """Return no change, because it is not known before the others have acted."""
+        """Return no change, as it depends on the result of the others."""
         return np.zeros_like(flow.particles.x)
 
     @abstractmethod
@@ -262,9 +252,9 @@ class Registry(Mapping[str, P], Generic[P]):
         self._parts: dict[str, P] = {}
 
     def register(self, part: P) -> P:
-        """Add a part and return it. Do it on every rank, before a case is made that names it.
+        """Add a part and return it. Do it on every rank, before a case names it.
 
-        A case file may be read more than once: a part from outside the package replaces its own earlier self.
+        A case file may be read more than once, so a part from outside the package replaces one of the same name.
 
         Raises ValueError if a part of the package has this name.
         """

@@ -1,4 +1,4 @@
-"""The regularisers of positions: position projection, close pairs, and Fick shift."""
+"""Regularisers of positions: position projection, close pairs, and Fick shift."""
 
 from typing import TYPE_CHECKING
 
@@ -15,41 +15,41 @@ from parisph.parallel.sums import sums
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# It costs at most one in a thousand of a small move.
+# The error is at most a thousandth of a small move.
 SLACK = 1e3  # tuned 500 to 2000: tolerance of the position solve over that of the pressure; judged
 CAP = 0.1    # tuned 0.05 to 0.2: longest move of the position projection and of the shift, in spacings; judged
 LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way; judged
-# Mean density error around a particle below which calm fluid has a void. Waves have errors of up to .023 in phase with
-# them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with a = .05 d), and disorder of .4 has .02. With
-# .035 a box that heaves raises the level of a flume two to three times as much; with .02 that wave errs twice as much.
-VOID = 0.025    # tuned 0.0125 to 0.05: mean density error of a void, below which calm fluid has one; measured
-NEAR_SURFACE = 2.0    # tuned 1 to 4: spacings from a surface particle within which a shift knows the surface; judged
+# Waves have errors of up to .023 in phase with them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with
+# a = .05 d), and disorder of .4 has .02. With .035 a heaving box raises the level of a flume two to three times as
+# much; with .02 that wave errs twice as much.
+VOID = 0.025    # tuned 0.0125 to 0.05: mean density error of a void in calm fluid; measured
+NEAR_SURFACE = 2.0    # tuned 1 to 4: distance from the surface within which a shift is along it, in spacings; judged
 
 # Close pairs; lengths in spacings.
-TURN_WITHIN = 0.7    # tuned 0.35 to 1: pairs of inner particles that turn; judged
-TURN = 0.05     # tuned 0.025 to 0.1: by how much they turn at the full strength of the shift; judged
-# A lattice collapses within a few long steps, in which the shift has its full strength
-TURNS = 3.0     # tuned 1.5 to 6: largest part of that turn in a step of full strength; measured
-PART_WITHIN = 0.6    # tuned 0.3 to 1: pairs without pressure that part; judged
-PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which such pairs part; judged
+TURN_WITHIN = 0.7    # tuned 0.35 to 1: distance of inner pairs that rotate; judged
+TURN = 0.05     # tuned 0.025 to 0.1: rotating move at the full strength of the shift, in spacings; judged
+# A lattice collapses within a few long steps, at the full strength of the shift.
+TURNS = 3.0     # tuned 1.5 to 6: largest multiple of this move in a step; measured
+PART_WITHIN = 0.6    # tuned 0.3 to 1: distance of pairs without pressure that separate; judged
+PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which they separate; judged
 CLOSE = max(TURN_WITHIN, PART_WITHIN)
-APART = 0.45    # tuned 0.225 to 0.9: distance that all pairs are brought to; judged
-SWEEPS = 8      # tuned 4 to 16: sweeps that part all pairs, at most; judged
+APART = 0.45    # tuned 0.225 to 0.9: least distance of all pairs; judged
+SWEEPS = 8      # tuned 4 to 16: most sweeps that separate pairs; judged
 SWEEP = 0.15    # tuned 0.075 to 0.3: longest move in one of these sweeps; judged
-# Distance of the pairs that the sweeps look at. Those farther apart, or in one place, are left to the next step.
+# Distance of the pairs in the sweeps. Those farther apart, or coincident, are left to the next step.
 WATCHED = APART + 3.0 * SWEEP
 
 
 class PositionProjection(Regulariser):
     """Moves particles along -grad phi, lap phi = -kappa e, with the matrix of the pressure and the density error e.
 
-    In rapid flow e = alpha - 1, in calm flow only what voids lack, in proportion to StepState.rapid in between: in a
-    wave alpha errs in phase with it, and moves that follow would feed it. Those of a strength that is not in proportion
-    to the strain, and full closed tanks, have the whole error.
+    In rapid flow e = alpha - 1, in calm flow it is that of voids only, with StepState.rapid in between: in a wave alpha
+    errs in phase with it, and moves that follow alpha would feed the wave. The whole error counts in full closed tanks,
+    and for a strength that is not in proportion to the strain.
 
-    Uses the lists and the matrix of the pressure solve: within half a step, neighbours move relative to each other by
-    far less than a spacing. With the shift in every second step only, a tenth of the cost would be saved, but the dam
-    break at H/s = 80 gains .5 % of its energy, and P2 errs by .04 to .12 in place of .03 to .06.
+    Neighbour lists and matrix are those of the pressure solve: within half a step, neighbours move relative to each
+    other by far less than a spacing. A shift in every second step only would save a tenth of the cost, but the dam
+    break at H/s = 80 then gains .5 % of its energy, and P2 errs by .04 to .12 instead of .03 to .06.
     """
 
     name, cause, words, moves = "projection", "projection", "position projection", True
@@ -67,11 +67,11 @@ class PositionProjection(Regulariser):
         solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
     def error(self, flow: "Flow") -> Floats:
-        """Return the density error (n_owned,) that is removed. Collective."""
+        """Return the density error (n_owned,) to be removed. Collective."""
         if flow.closed or not flow.numerics.kappa_strain:
             return density_error(flow)
         error = density_error(flow)
-        # half where the strain rate is RAPID/sqrt(2) sqrt(a/s)
+        # 1/2 at a strain rate of RAPID/sqrt(2) sqrt(a/s)
         rapid = 2.0 * flow.step.rapid / (1.0 + flow.step.rapid)
         return rapid * error + (1.0 - rapid) * voids(flow)
 
@@ -83,10 +83,10 @@ class PositionProjection(Regulariser):
 
 
 class VoidFilling(PositionProjection):
-    """The same for waves, in which only voids count: such as particles leave that go to and fro around an edge.
+    """Position projection for waves, of voids only, as particles leave them that oscillate around an edge.
 
-    Not where cells of the start differ from those of the lattice by more than VOID: there `shift_even` makes distances
-    even and not volumes, and what it leaves is no void.
+    It does not act where initial cells differ from those of the lattice by more than VOID: there `shift_even` equalises
+    distances instead of volumes, and leaves no voids.
     """
 
     name, words = "fill_voids", "filling of voids"
@@ -104,15 +104,14 @@ class VoidFilling(PositionProjection):
 
 
 def voids(flow: "Flow") -> Floats:
-    """Return what the mean density error around each inner particle is below -VOID: (n_owned,). Collective.
+    """Return the excess of the mean density error around each inner particle below -VOID: (n_owned,). Collective.
 
-    The mean, because disorder makes the error too large here and too small there. What the disorder of the start leaves
-    of it is no void: it is what the particles stand for. Fluid that is pressed together along a wall stands for more of
-    its particles, and such that is stretched for less.
+    The mean removes the scatter of disorder. Its initial value is not a void, and is subtracted. Fluid that is
+    compressed along a wall represents more of the wall's half cells, and stretched fluid less.
     """
     p, d = flow.particles, flow.domain
-    error = p.alpha.copy()    # less the surplus at walls
-    if flow.open:    # where fluid is pressed together along walls, lack is the share of its half cells
+    error = p.alpha.copy()    # minus the surplus at walls
+    if flow.open:    # here `lack` is the represented part of half cells
         halves.wall_share(p.lack, flow.cloud, flow.cells, halves.PRESSED, halves.FAR_BEFORE)
         d.update("lack")
         pressed = np.empty_like(error)
@@ -121,7 +120,7 @@ def voids(flow: "Flow") -> Floats:
     p.lack[:] = compression(flow, error, flow.step.doubt)
     d.update("lack")
     found = np.zeros(p.n_owned)
-    if np.any(p.lack_all < -VOID):    # else no mean is
+    if np.any(p.lack_all < -VOID):    # otherwise all means are above -VOID
         strain.mean_over_fluid(found, flow.cloud, p.lack_all, lengths.MLS * flow.spacing)
         found = np.where(p.role == INNER, np.minimum(found + VOID, 0.0), 0.0)
     np.copyto(p.hollow, found, where=np.isnan(p.hollow))
@@ -136,7 +135,7 @@ def solve(flow: "Flow", error: Floats) -> None:
 
 
 class Parting(Regulariser):
-    """Parts close pairs that have no pressure."""
+    """Separates close pairs without pressure."""
 
     name, cause, words, fields = "parting", "parting", "parting of close pairs", ("pairs",)
     reads = ("shift",)
@@ -157,7 +156,7 @@ class Parting(Regulariser):
 
 
 class FickShift(Regulariser):
-    """Shifts by C_i h^2 along -grad alpha, at the surface along it, and turns close pairs."""
+    """Shifts by C_i h^2 along -grad alpha, at the surface along it, and rotates close pairs."""
 
     name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
     reads = ("shift", "shift_strain")
@@ -168,7 +167,7 @@ class FickShift(Regulariser):
 
     def needs(self, numerics: ResolvedNumerics) -> tuple[str, ...]:
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
-        return (*self.fields, *strain)
+        return (*self.fields, "alpha", *strain)
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
@@ -193,8 +192,7 @@ class FickShift(Regulariser):
 class KeepApart(Limiter):
     """Brings all pairs of fluid to a least distance, as far as a few sweeps can.
 
-    Columns and jets one or two particles wide have no pressure. When they fall on something, their particles would end
-    in one place.
+    Columns and jets one or two particles wide have no pressure. In a collision, their particles would end in one place.
     """
 
     name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
@@ -218,7 +216,7 @@ class KeepApart(Limiter):
 
 
 def _share_of(numerics: ResolvedNumerics) -> tuple[str, ...]:
-    """Return the field of the walls' shares (methods.surfaces), if there may be walls that fluid comes to later."""
+    """Return the field of the walls' shares (methods.surfaces), if fluid may reach further walls."""
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
@@ -230,11 +228,9 @@ def dense(flow: "Flow") -> Floats:
 
 
 def surplus(flow: "Flow") -> tuple[Floats, Floats]:
-    """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
+    """Return what half cells that no fluid represents add to alpha (n_owned,) and to its gradient (n_owned, dim).
 
     Computed once in a preparation.
-
-    alpha : (n_owned,); gradient : (n_owned, dim)
     """
     p, found = flow.particles, flow.preparation.surplus
     if found is None:
@@ -245,12 +241,12 @@ def surplus(flow: "Flow") -> tuple[Floats, Floats]:
 
 
 def density_error(flow: "Flow") -> Floats:
-    """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
+    """Return the density error for the position projection: (n_owned,). Also writes alpha.
 
-    A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
-    error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight. This
-    lifts shallow flow: a reservoir 7 particles deep gains 1 % of its energy until it meets a sill. Without the lift P2
-    of the dam break at H/s = 40 errs by .07 to .08 in place of .05.
+    A wall whose half cells no fluid represents neither repels nor attracts rapid fluid: e = min(e, max(e', 0)) with the
+    error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall counts fully. This lifts
+    shallow flow: a reservoir 7 particles deep gains 1 % of its energy until it meets a sill. Without the lift P2 of the
+    dam break at H/s = 40 errs by .07 to .08 instead of .05.
     """
     dense(flow)
     return compression(flow, flow.particles.alpha, flow.step.doubt, surplus(flow)[0], flow.step.rapid)
@@ -258,11 +254,11 @@ def density_error(flow: "Flow") -> Floats:
 
 def compression(flow: "Flow", alpha: Floats, doubt: Floats | None = None, more: Floats | None = None,
                 rapid: Floats | None = None) -> Floats:
-    """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
+    """Return alpha - 1 (n_owned,) of inner particles, within +-.1, near the surface only its excess over the doubt.
 
-    In rapid fluid, what a surplus adds is left out: more : (n_owned,), the part of alpha by it.
+    In rapid fluid the surplus is left out.
 
-    alpha : (n_owned,); doubt, more, rapid : (n_owned,), default 0
+    alpha : (n_owned,); doubt, rapid : (n_owned,), default 0; more : (n_owned,), the surplus in alpha, default 0
     """
     e, zero = np.empty_like(alpha), np.zeros_like(alpha)
     doubt, more, rapid = (zero if one is None else one for one in (doubt, more, rapid))

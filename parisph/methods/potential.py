@@ -1,4 +1,4 @@
-"""The potential flow that the fluid's velocity is close to, and the regulariser that removes what is beyond it."""
+"""The potential flow closest to the fluid's velocity, and the regulariser that removes the deviation."""
 
 from typing import TYPE_CHECKING
 
@@ -15,15 +15,15 @@ from parisph.methods.parts import REGULARISERS, Regulariser
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# The filter of viscous fluid is one of roughness: more of it would add to the viscosity.
+# In viscous fluid the filter removes roughness, and a higher rate would add to the viscosity.
 VISCOUS = 0.5   # tuned 0.25 to 1: part of the rate in viscous fluid; judged
 
 
 def find(flow: "Flow") -> Potential:
     """Fit the potential flow around owned particles to the current velocity. Not collective.
 
-    The velocity of walls must be known, ghosts included: across them it is theirs. In a tank that turns, the velocity
-    in space is that of a potential, and of a rotation if the fluid has turned from the start.
+    It needs the velocity of walls, ghosts included, as data across them. In a rotating tank, the velocity in the room
+    is that of a potential, plus a rotation if the fluid rotated at the start.
     """
     p = flow.particles
     u = p.u_all
@@ -41,19 +41,19 @@ def find(flow: "Flow") -> Potential:
 
 
 def turning_rate(flow: "Flow") -> float:
-    """Return by how much [rad/s] the tank turns faster than the fluid does by `Flow.vorticity`."""
+    """Return the angular velocity [rad/s] of the tank relative to that of the fluid by `Flow.vorticity`."""
     return flow.turn(flow.step.time) - 0.5 * flow.vorticity
 
 
 class Irrotational(Regulariser):
-    """Removes what each velocity has beyond a potential flow, at the rate filter sqrt(a/s), with the acceleration
-    a by pressure; less in rapid flow.
+    """Removes the deviation of velocities from a potential flow, at the rate filter sqrt(a/s); less in rapid flow.
 
-    Small errors of the operators grow at .02 to .05 sqrt(g/s) without it. A standing wave with a = .05 d and d/s = 20
-    gains .7 % of its energy in 60 periods with a filter of .5, and 2.5 % with .33.
+    a is the acceleration by pressure. Without the filter, small errors of the operators grow at .02 to .05 sqrt(g/s). A
+    standing wave with a = .05 d and d/s = 20 gains .7 % of its energy in 60 periods with a filter of .5, and 2.5 % with
+    .33.
 
-    Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit, unless a
-    filter in proportion to the strain (`filter_strain`) does that.
+    Viscous fluid keeps its vorticity: only the deviation from a linear fit is removed, unless a filter in proportion to
+    the strain (`filter_strain`) does that.
     """
 
     name, cause, words, reach = "irrotational", "filter", "irrotational filter", lengths.WALL

@@ -26,13 +26,13 @@ from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
 from parisph.pressure.solver import PressureSolver, SolveRecord
 
-FEW = 10             # particles without a surface that are not worth an equation
-BODIES = 4           # bodies of fluid without a surface, at most, that get one
-# times what particles resolve (`timestep`): the distance of the knots of means of pressures on walls. Fluid comes to a
-# wall one layer after the other, which is more than the .3 spacings there. P2 of the dam break at H/s = 40, three
-# starts: errors of .057 and .056 with adaptive steps and half of them; .061 and .058 with 1, .057 and .057 with 4.
+FEW = 10             # largest group of particles without a surface that gets no equation
+BODIES = 4           # most bodies of fluid without a surface that get one
+# Fluid comes to a wall in layers, a spacing apart instead of the .3 spacings of the resolved time (`timestep`). P2 of
+# the dam break at H/s = 40, three starts: errors of .057 and .056 with adaptive steps and half of them; .061 and .058
+# with 1, .057 and .057 with 4.
 AT_WALLS = 2.0       # tuned 1 to 4: distance of the knots of mean pressures on walls over the resolved time; measured
-ROUNDING = 1e-3      # spacings within which two particles are equally high
+ROUNDING = 1e-3      # spacings within which two particles have the same height
 Matrix = tuple[Ints, Ints, Floats]    # CSR
 Equation = tuple[Matrix, Floats, int]    # the matrix, the right-hand side, and the number of isolated particles
 
@@ -43,16 +43,16 @@ class Projection:
     Parameters
     ----------
     flow : Flow
-    parts : Parts, of which the method is made
+    parts : Parts of the method
     petsc_options : list of str, or None
 
     The driver uses `start`, `step`, `columns`, `state` and `destroy`, as of any method.
 
     Attributes
     ----------
-    accelerations : in an adaptive step, of fluid on all ranks [m/s^2]: the largest, and the root of the mean square
-    mean_strain : sqrt(2 S:S) of fluid in the last step, on all ranks [1/s], 0 where no part needs it
-    last_waves : the largest of it in the last waves
+    accelerations : of fluid on all ranks in an adaptive step [m/s^2]: the largest, and the root of the mean square
+    mean_strain : sqrt(2 S:S) of fluid in the last step, on all ranks [1/s], 0 if no part needs it
+    last_waves : its largest value in the last waves
     """
 
     def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
@@ -72,7 +72,7 @@ class Projection:
     def step(self, time: float, dt: float, usual: float | None = None) -> ProjectionReport:
         """Advance one projection step of dt [s]: predict, solve for pressure, correct. Collective.
 
-        usual : the step [s] that would be taken if none were shortened to meet a time; default dt
+        usual : length of the step [s] if it were not shortened to meet a time; default dt
         """
         flow, p, timers, middle = self.flow, self.flow.particles, self.flow.timers, time + 0.5 * dt
         flow.budget.begin(p)
@@ -101,14 +101,12 @@ class Projection:
             return self._report(dt, solve, isolated)
 
     def start(self, time: float) -> int:
-        """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles.
+        """Solve for the pressure at the current positions, at `time` [s]; return how many are isolated. Collective.
 
-        Collective.
-
-        This gives the pressure at the start of a run, before any step. An incompressible flow has lap p =
-        rho (div g - tr((grad u)^2)) at every instant, the divergence of Euler's equation. In a step, half
-        of the second term comes from the strain source and half from div u* at positions half a step
-        later. Here nothing moves, and neither a time step nor its weights matter.
+        This gives the pressure before the first step. An incompressible flow has lap p = rho (div g - tr((grad u)^2))
+        at every instant, the divergence of Euler's equation. In a step, half of the second term comes from the strain
+        source and half from div u* at positions half a step later. Here nothing moves, and the time step and its
+        weights do not matter.
         """
         flow, p = self.flow, self.flow.particles
         flow.walls.move(flow, time, time, time)
@@ -124,7 +122,7 @@ class Projection:
     def acceleration(self, time: float) -> Floats:
         """Return g - grad p/rho [m/s^2] of owned particles with their current pressure, 0 for walls. Collective.
 
-        No particle changes, not even the role of one with too few neighbours.
+        Particles stay unchanged, including the roles of those with too few neighbours.
         """
         flow, p = self.flow, self.flow.particles
         flow.walls.move(flow, time, time, time)
@@ -142,8 +140,8 @@ class Projection:
     def shown(self) -> Iterator[None]:
         """Give particles the pressure that a snapshot shows, within this context. Not collective.
 
-        After a step far shorter than usual it is the mean over the usual time: what steps leave of the divergence is
-        gone after one of any length, and as a pressure grows as 1/dt.
+        After a step far shorter than usual it is the mean over the usual time, because the residual divergence is
+        removed in one step of any length, with a pressure that grows as 1/dt.
         """
         p, step = self.flow.particles, self.flow.step
         share = step.dt / max(step.usual, float(np.finfo(float).tiny))
@@ -156,7 +154,7 @@ class Projection:
             p.p[:] = acted
 
     def longest_step(self) -> float:
-        """Return the longest step [s] that the parts of the method allow, infinite if none limits it. Collective."""
+        """Return the longest step [s] that the parts of the method allow, infinite without a limit. Collective."""
         limiting = [part for part in self.parts if part.limits_step]
         if not limiting:
             return np.inf
@@ -166,13 +164,13 @@ class Projection:
 
     @property
     def pressure_time(self) -> float | None:
-        """Time [s] that the last solve took its pressure for: the middle of its step. None before the first."""
+        """Time [s] of the last pressure: the middle of its step. None before the first."""
         return self.guesses.times[0] if self.guesses.times else None
 
     @property
     def strain_rate(self) -> float:
-        """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]; in waves whose step
-        it limits, the largest of the last waves."""
+        """Mean sqrt(2 S:S) of fluid in the last step, on all ranks [1/s]; with `wave_step` the largest of the last
+        waves."""
         return self.last_waves.largest if self.flow.numerics.wave_step else self.mean_strain
 
     @property
@@ -181,7 +179,7 @@ class Projection:
         return ProjectionReport.columns()
 
     def state(self) -> dict[str, Any]:
-        """Return what a checkpoint needs beside the particles. Not collective."""
+        """Return the state for a checkpoint, besides the particles. Not collective."""
         largest, mean = self.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
                 "mean_strain": self.mean_strain, "last_waves": self.last_waves.state(),
@@ -209,7 +207,7 @@ class Projection:
     # -- the parts of the step, in order ---------------------------------------------------
 
     def _predict(self, time: float, dt: float) -> None:
-        """Move to the positions at which operators are evaluated, walls to where they are then."""
+        """Move particles and walls to the positions at which operators are evaluated."""
         p = self.flow.particles
         p.x0[:] = p.x
         if self.stepping.ahead:
@@ -220,7 +218,7 @@ class Projection:
         self.flow.walls.move(self.flow, time + self.stepping.ahead * dt, time, time + dt)
 
     def _look(self, time: float, dt: float = 0.0, usual: float = 0.0) -> None:
-        """Sum the forces, and find the surface, the velocity of walls and the potential, as of `_sum_forces`."""
+        """Compute the forces, the surface, the velocity of walls and the potential; arguments as of `_sum_forces`."""
         self._sum_forces(time, dt, usual)
         surfaces.classify(self.flow, self.parts.surface, dt)
         self._wall_velocity()
@@ -237,22 +235,22 @@ class Projection:
             step.varies = step.uneven if comm.size == 1 else comm.allreduce(step.uneven, op=MPI.LOR)
 
     def _wall_velocity(self, later: float = 0.0) -> None:
-        """Write the velocity of walls, a time [s] after the start of the step.
+        """Write the velocity of walls at a time [s] after the start of the step.
 
-        Their shear is that of the first call in a step: until `_move`, places, normals and turns stay.
+        Their shear is that of the first call in a step, as places, normals and rotations stay until `_move`.
         """
         if not later:
             self._shear = self.flow.wall_shear(self.flow.step.time)
         write_wall_velocity(self.flow, self._shear, later)
 
     def _find_potential(self) -> None:
-        """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
+        """Fit a potential flow to the velocity if a part needs it and the fluid is inviscid."""
         flow = self.flow
         needed = any(part.needs_potential for part in self.parts.velocity_regularisers) and not flow.viscous
         flow.step.potential = potential.find(flow) if needed else None
 
     def _assemble(self, dt: float) -> Equation:
-        """Rows and right-hand side: the source at inner particles, Eq. 25 (2014 paper) at wet walls."""
+        """Return the equation with the source at inner particles, and Eq. 25 (2014 paper) at wet walls. Collective."""
         flow = self.flow
         self.rows.fill(flow.particles.u_all + dt * flow.step.force, flow.cloud, flow.walls.cells(flow))
         return self._equation(self.parts.source.target(flow, dt))
@@ -260,8 +258,8 @@ class Projection:
     def _equation(self, target: Floats) -> Equation:
         """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
 
-        At wet walls n . grad p = rho n . (force - a), with the acceleration a of fluid that slides along the wall in
-        the step, and the target is ignored.
+        At wet walls n . grad p = rho n . (force - a) replaces the target, with the acceleration a of fluid that slides
+        along the wall in the step.
         """
         p, force, rows, cloud = self.flow.particles, self.flow.step.force, self.rows.rows, self.rows.cloud
         if not self.parts.laplacian.linear:
@@ -281,10 +279,10 @@ class Projection:
     def _find_laplacian(self) -> None:
         """Write the Laplacian of the pressure, for parts that need it. Collective.
 
-        rho (div F - tr(G^2)) with the force F and the velocity gradient G at inner particles, and at walls and the
-        surface the mean of that. Without the body force in F, which parts know (Flow.pull), unless a part wants it
-        whole. Of a potential flow tr(G^2) is known everywhere; in a tank that turns with W it has G + W x, less half of
-        the vorticity that all fluid carries.
+        It is rho (div F - tr(G^2)) with the force F and the velocity gradient G at inner particles, and their mean at
+        walls and the surface. F excludes the body force, which parts know (Flow.pull), unless a part wants the whole.
+        In a potential flow tr(G^2) is known everywhere; a tank rotating with W adds W x to G, minus half of the fluid's
+        uniform vorticity.
         """
         flow = self.flow
         if not flow.bent:
@@ -303,11 +301,11 @@ class Projection:
             p.laplacian -= flow.density * (fit.square - 2.0 * potential.turning_rate(flow)**2)
 
     def _balance_walls(self, right: Floats, moved: Floats | None) -> None:
-        """Make wall rows that are no normal derivative exact for water that moves with the wall.
+        """Make wall rows that are not normal derivatives exact for water that moves with the wall.
 
-        Across the wall its pressure has the slope that other rows have, on a wall that turns too.
+        The pressure then has the normal derivative of other rows, on a rotating wall too.
 
-        moved : (n_owned,) acceleration across the wall [m/s^2], None if no wall moves
+        moved : (n_owned,) normal acceleration of the wall's fluid [m/s^2], None if no wall moves
         """
         p = self.flow.particles
         pull, wall = self.flow.step.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
@@ -318,8 +316,8 @@ class Projection:
     def _matrix(self) -> tuple[Matrix, int]:
         """Return the CSR matrix, and the number of rows without a link to a free surface. Collective.
 
-        The level of their pressure is arbitrary. If water has closed its last gap of air below a lid, no
-        row has such a link: then p = 0 at the highest particle. If they are only a few, they all get p = 0.
+        The level of their pressure is arbitrary. If water has closed its last air gap below a lid, no row has such a
+        link: then p = 0 at the highest particle. A few isolated rows all get p = 0.
         """
         flow = self.flow
         p, d = flow.particles, flow.domain
@@ -336,7 +334,7 @@ class Projection:
             p.role[top] = SURFACE
             self.rows.pin(top)
             d.update("role")
-            del matrix    # so that there are not two
+            del matrix    # saves memory
             matrix, alone, left = self._anchored()
         if left:
             p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)
@@ -346,10 +344,7 @@ class Projection:
         return matrix, count
 
     def _anchored(self) -> tuple[Matrix, Flags, int]:
-        """Compress the rows to CSR; return it, its rows without a link to p = 0, and their number on all ranks.
-
-        Collective.
-        """
+        """Return the rows as CSR, those without a link to p = 0, and their number on all ranks. Collective."""
         p = self.flow.particles
         indptr, indices, values, anchored = self.rows.csr(self.flow.domain.global_rows)
         return (indptr, indices, values), *groups.isolated_rows(p.comm, p.offset, indptr, indices, anchored)
@@ -365,12 +360,12 @@ class Projection:
                 budget.move("pressure", force.cause, force.work(flow, start))
         self._regularise_velocity(dt)
         if flow.returned:
-            self._note_what_is_left(dt)
+            self._write_residual(dt)
         self._move(start, time, dt)
         budget.mark(p, "pressure")
 
     def _correct_velocity(self, dt: float) -> None:
-        """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
+        """Add dt (g - grad p/rho) to u, Eqs. 14 and 15 (2014 paper)."""
         flow, step = self.flow, self.flow.step
         p, grad = flow.particles, self.gradient_of_pressure()
         acceleration = np.empty_like(grad)
@@ -387,7 +382,7 @@ class Projection:
             self.accelerations = _of_all(p.comm, *record.fluid_sizes(acceleration, p.kind))
 
     def _regularise_velocity(self, dt: float) -> None:
-        """Regularise the velocity, and measure the strain of the step if any part needs it, with the same message."""
+        """Regularise the velocity, and measure the strain of the step if a part needs it, with the same message."""
         flow, regularisers, strains = self.flow, self.parts.velocity_regularisers, self.parts.measures_strain
         flow.fresh("role", "u")
         if strains:
@@ -400,9 +395,9 @@ class Projection:
     def _window(self, acceleration: float) -> float:
         """Return the time [s] over which probes average the pressure around a step. Collective.
 
-        A step of usual length has a mean of its own, one that is shortened to meet a time may share it.
+        A step of usual length has its own mean. A step shortened to meet a time may share one.
 
-        acceleration : of fluid by pressure in this step, in the mean on all ranks [m/s^2]
+        acceleration : mean acceleration of fluid by pressure in this step, on all ranks [m/s^2]
         """
         flow = self.flow
         p, mean = flow.particles, flow.numerics.pressure_mean
@@ -414,9 +409,9 @@ class Projection:
                           laplacian: Floats | None = None) -> Floats:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
 
-        slope : (n_all, dim), what the gradient is across walls; laplacian : (n_owned,) of f; default 0
+        A particle with too few neighbours gets a zero gradient, and becomes ballistic.
 
-        A particle with too few neighbours has a zero gradient, and becomes ballistic.
+        slope : (n_all, dim), gradient across walls; laplacian : (n_owned,) of f; default 0
         """
         out = np.empty_like(self.flow.particles.u)
         self.parts.gradient.write(out, f, self.flow, slope, laplacian)
@@ -433,12 +428,11 @@ class Projection:
         self.parts.surface_gradient.complete(out, flow)
         return out
 
-    def _note_what_is_left(self, dt: float) -> None:
-        """Write the divergence of the new velocity where the operators of the step were, with that of walls beside it.
+    def _write_residual(self, dt: float) -> None:
+        """Write the divergence of the new velocity, with that of walls, at the operators of the step. Collective.
 
-        With that which walls had a step earlier, water beside a wall that moves would seem to gain or lose volume in
-        proportion to the step: waves in a tank that sways differed by .8 % from those seen from the tank, else by .02.
-        Collective.
+        With the walls' velocity a step earlier, water beside a moving wall would seem to change its volume in
+        proportion to the step: waves in a swaying tank differed by .8 % from those in its frame, now by .02 %.
         """
         flow = self.flow
         flow.fresh("u")
@@ -447,7 +441,7 @@ class Projection:
         self.rows.divergence(flow.particles.left, flow.particles.u_all)
 
     def _move(self, start: Floats, time: float, dt: float) -> None:
-        """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""
+        """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to the end of the step."""
         p = self.flow.particles
         u = p.u if self.stepping.new else keep_in_tank(self.flow, 0.5 * (start + p.u), dt)
         movement.give_to_fluid(p.x, p.x0 + dt * u, p.kind)
@@ -458,7 +452,7 @@ class Projection:
         flow = self.flow
         p, step = flow.particles, flow.step
         div = p.left if flow.returned else np.empty(p.n_owned)
-        if not flow.returned:    # else it is known
+        if not flow.returned:    # otherwise `left` holds it
             self.rows.divergence(div, p.u_all)
         sums = np.array([*record.step_sums(div, p.role, p.kind, step.by_pressure, step.strained), step.collisions])
         if p.comm.size > 1:
@@ -478,9 +472,9 @@ class Projection:
 
 
 def _of_all(comm: MPI.Comm, largest: float, squares: float, count: float) -> tuple[float, float]:
-    """Return the largest of some sizes on all ranks, and the root of their mean square. Collective.
+    """Return the largest size on all ranks, and the root of the mean square. Collective.
 
-    largest, squares, count : of this rank's: the largest, the sum of their squares, and their number
+    largest, squares, count : of this rank: the largest size, the sum of squares, and the number
     """
     if comm.size > 1:
         top, sums = np.array([largest]), np.array([squares, count])

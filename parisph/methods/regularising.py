@@ -1,4 +1,4 @@
-"""How the regularisers of a step act together."""
+"""Joint action of the regularisers of a step."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +13,7 @@ from parisph.methods.step_state import Preparation
 
 
 def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
-    """Prepare all parts, and send what they need of neighbours in one message. Collective.
+    """Prepare all parts, and send the fields they need of neighbours in one message. Collective.
 
     dt : of the step [s]
     """
@@ -24,9 +24,7 @@ def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
 
 
 def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
-    """Compute the changes of all parts from one state, then add them in their order; limiters act in their turn.
-
-    Collective.
+    """Compute the changes of all parts from one state, then add them in order, with limiters in their turn. Collective.
 
     dt : of the step [s]
     """
@@ -39,7 +37,7 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
         if isinstance(part, Limiter):
             part.apply(flow, dt)
         elif part.moves:
-            displace(flow, changes[part.name])    # which shortens moves into walls
+            displace(flow, changes[part.name])    # shortens moves into walls
             if part.carries:
                 movement.carry(p.u, p.grad_u, changes[part.name])
                 flow.stale.add("u")
@@ -50,9 +48,9 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
 
 
 def cap_together(moves: Mapping[str, Floats], free: Sequence[str], cap: float) -> None:
-    """Shorten moves (n, dim) [m] that together lead farther than the cap [m], and than the longest of the `free` ones.
+    """Shorten moves (n, dim) [m] whose sum exceeds both the cap [m] and the longest `free` move. Not collective.
 
-    Several parts that mend the same close pair would otherwise throw it apart. Not collective.
+    Several parts that mend the same close pair would otherwise throw it apart.
     """
     if len(moves) > 1:
         shifting.cap_together(tuple(moves.values()), np.array([name in free for name in moves]), cap)

@@ -1,4 +1,4 @@
-"""What a step tells: a line of steps.csv."""
+"""Report of a step: a line of steps.csv."""
 
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
@@ -10,9 +10,9 @@ UNITS = {"dt": "s", "setup_seconds": "s", "solve_seconds": "s"}
 class StepReport:
     """The results of one step of any method.
 
-    dt [s]; surface: number of fluid particles with p = 0; left: particles that have left an open tank over its rim
-    since the start of the run; works: None, or the energy that the fluid gained by each part of the step,
-    {column: J, in 2D J/m} (methods.budget).
+    dt [s]; surface : number of fluid particles with p = 0; left : particles that have left an open tank over its rim
+    since the start of the run; works : None, or the energy that the fluid gained by each part of the step, {column: J,
+    in 2D J/m} (methods.budget)
     """
 
     dt: float
@@ -24,7 +24,7 @@ class StepReport:
 
     @classmethod
     def columns(cls) -> dict[str, str]:
-        """Return {column: unit} of its line, but the energies."""
+        """Return {column: unit} of its line, without energies."""
         names = [field.name for field in fields(cls) if field.name not in cls.LAST]
         return {name: UNITS.get(name, "") for name in (*names, "left")}
 
@@ -33,12 +33,12 @@ class StepReport:
         return {name: getattr(self, name) for name in self.columns()} | (self.works or {})
 
     def words(self) -> str:
-        """Return what the line of progress says about the step."""
+        """Return its part of the progress line."""
         return ""
 
     @property
     def fallbacks(self) -> int:
-        """Number of solves in the step that needed another solver than the first."""
+        """Number of solves in the step that needed a fallback solver."""
         return 0
 
 
@@ -46,10 +46,10 @@ class StepReport:
 class ProjectionReport(StepReport):
     """The results of one step of a projection method.
 
-    iterations, residual, reason, fallback, rebuilt, setup_seconds and solve_seconds of
-    the pressure solve; divergence: rms of div u after the step times dt; isolated: particles in groups without
-    contact with a free surface; collisions: pairs that collided; position_iterations, position_residual,
-    position_fallback: of the second solve, for the position projection; 0, 0 and "" without one.
+    iterations, residual, reason, fallback, rebuilt, setup_seconds, solve_seconds : of the pressure solve
+    divergence : rms of div u after the step times dt; collisions : pairs that collided
+    isolated : particles in groups without contact with a free surface
+    position_iterations, position_residual, position_fallback : of the position projection; 0, 0 and "" without one
     """
 
     iterations: int = 0
@@ -68,17 +68,17 @@ class ProjectionReport(StepReport):
 
     @classmethod
     def columns(cls) -> dict[str, str]:
-        """Return {column: unit} of its line, but the energies, in the order that older runs have."""
+        """Return {column: unit} of its line, without energies, in the order of older runs."""
         names = ("dt", "iterations", "residual", "reason", "fallback", "rebuilt", "setup_seconds", "solve_seconds",
                  "divergence", "surface", "isolated", "collisions", "position_iterations", "position_residual",
                  "position_fallback", "left")
         return {name: UNITS.get(name, "") for name in names}
 
     def words(self) -> str:
-        """Return what the line of progress says about the step."""
+        """Return its part of the progress line."""
         return f"{self.iterations} iterations  div u dt {self.divergence:.1e}"
 
     @property
     def fallbacks(self) -> int:
-        """Number of solves in the step that needed another solver than the first."""
+        """Number of solves in the step that needed a fallback solver."""
         return (self.fallback != "") + (self.position_fallback != "")

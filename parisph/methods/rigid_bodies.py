@@ -1,4 +1,4 @@
-"""Bodies in the flow: how they move through a step, and the load of the pressure on them."""
+"""Bodies in the flow: their motion in a step, and the load of the pressure on them."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,14 +12,14 @@ from parisph.geometry.distance import area_vectors
 from parisph.geometry.mesh import CONVEX, WallMesh
 from parisph.geometry.movers import MovedNodes
 
-if TYPE_CHECKING:    # probes are described on machines without MPI
+if TYPE_CHECKING:    # machines without MPI describe probes
     from parisph.parallel.particles import Particles
     from parisph.parallel.wall_elements import WallElements
 
 
 @dataclass(frozen=True)
 class Prescribed:
-    """The Mover of a body that moves by a law of time. It keeps no state."""
+    """The Mover of a body whose motion is a function of time. It keeps no state."""
 
     motion: Motion
 
@@ -46,10 +46,10 @@ class Prescribed:
 
 
 def node_pressures(particles: "Particles", elements: "WallElements") -> tuple[Ints, Ints, Floats]:
-    """Return the wall particles of this rank (n,), the mesh nodes that they are (n,), and their pressures (n,) [Pa].
+    """Return the wall particles of this rank (n,), their mesh nodes (n,) and their pressures (n,) [Pa]. Not collective.
 
-    The pressure is inf at a dry node, and nan where there is none: on a convex edge, which has no row, and where fluid
-    has no room in front (WallElements.without_room). Not collective.
+    The pressure is inf at a dry node, and NaN on a convex edge, which has no row, and where fluid has no room in front
+    (WallElements.without_room).
     """
     p = particles
     wall = np.flatnonzero(p.kind == WALL)
@@ -61,27 +61,27 @@ def node_pressures(particles: "Particles", elements: "WallElements") -> tuple[In
 class PressureLoad:
     """Force of the pressure on elements of a body, -sum p n A, and its moment about a point (2D). Not collective.
 
-    On each element the pressure is linear between its nodes, and the integrals are exact. Dry nodes have p = 0. At a
-    node without pressure, that along the element's side of the edge is continued linearly, or as it is beside a dry
-    node. At the end of a line of elements, as at the foot of a wavemaker, it is not below 0.
+    The pressure is linear along each element, and the integrals are exact. Dry nodes have p = 0. At a node without
+    pressure, that of the element's side of the edge is extrapolated linearly, or as a constant beside a dry node. At
+    the end of a line of elements, as at the foot of a wavemaker, it is at least 0.
 
     mesh : WallMesh, elements : (M, 2) its elements, by nodes
     """
 
     def __init__(self, mesh: WallMesh, elements: Ints) -> None:
         self.elements, self._ends = elements, mesh.ends
-        # of each end of an element: the node beyond its other end on the same body, or that end itself
+        # for each end of an element: the node beyond the other end on the same body, or that end itself
         self._beyond = np.stack([_next(elements, end) for end in (0, 1)], axis=1)
 
     def of(self, x: Floats, p: Floats, about: Floats) -> tuple[float, float, float]:
-        """Return force [N/m] and moment [N m/m] about a point (2,) [m] of pressures of all nodes of the mesh.
+        """Return force [N/m] and moment [N m/m] about a point (2,) [m] from the pressures of all nodes of the mesh.
 
         x : (N, 2) [m], p : (N,) [Pa] as of `node_pressures`
         """
         ends, pressure = x[self.elements], self._pressures(x, p)
         area = area_vectors(ends)
         force = (-pressure.mean(axis=1)[:, None] * area).sum(axis=0)
-        # the integral of (x - about) p over an element, whose normal is the same all along
+        # the integral of (x - about) p over an element, with a constant normal
         (a, b), (p, q) = np.moveaxis(ends - about, 1, 0), pressure.T
         arm = ((2.0 * p + q)[:, None] * a + (p + 2.0 * q)[:, None] * b) / 6.0
         moment = -(arm[:, 0] * area[:, 1] - arm[:, 1] * area[:, 0]).sum()
@@ -104,6 +104,6 @@ class PressureLoad:
 
 
 def _next(elements: Ints, end: int) -> Ints:
-    """Return, for each element, the node beyond its end 1 - `end`; that end itself if there is none."""
+    """Return, for each element, the node beyond its end 1 - `end`, or that end itself."""
     after = {element[end]: element[1 - end] for element in elements.tolist()}
     return np.array([after.get(element[1 - end], element[1 - end]) for element in elements.tolist()])

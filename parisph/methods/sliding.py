@@ -1,4 +1,4 @@
-"""The velocity of walls along which water slips."""
+"""Velocity of free-slip walls."""
 
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 def write_wall_velocity(flow: "Flow", shear: Floats, later: float = 0.0) -> None:
-    """Write the velocity of owned walls: that of the wall across it, that of the fluid along it. Not collective.
+    """Write the velocity of owned walls: normal part from the wall, tangential part from the fluid. Not collective.
 
-    Where fluid sticks it is that of the wall. Ghosts keep theirs until the field "u" is updated.
+    No-slip walls have their own velocity. Ghosts keep theirs until the field "u" is updated.
 
-    shear : (n_owned, dim) [1/s] of Flow.wall_shear; later : time [s] after the one for which walls have their velocity
+    shear : (n_owned, dim) [1/s] of Flow.wall_shear; later : time [s] after that of the walls' stored velocity
     """
     p = flow.particles
     own = p.wall_u if flow.slides else np.zeros_like(p.u)

@@ -1,4 +1,4 @@
-"""The sources of the pressure equation."""
+"""Sources of the pressure equation."""
 
 from typing import TYPE_CHECKING
 
@@ -13,18 +13,18 @@ from parisph.methods.positions import compression
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-GIVEN = 4.0    # tuned 2 to 8: steps over which the volume that a residual has made is given back, at least; judged
+GIVEN = 4.0    # tuned 2 to 8: least number of steps over which volume is given back; judged
 
 
 class Mixed(Source):
-    """Velocity divergence and density error, weighed by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
+    """Velocity divergence and density error, weighted by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
 
-    To it belong, each with a weight of its own, the strain source, the removal of a residual divergence per strain, and
-    the return of the volume that this has made: every step removes the divergence that the last one has left, and
-    leaves one of its own, as large: in a standing wave, in proportion to the length of the step and to the square of
-    the height. Particles have moved by it by then, and the mean level under the crests drifts. The integral of what is
-    left, along the path of an inner particle, is the relative volume that it has made; it is given back over a time of
-    `numerics.volume_time` sqrt(s/g). See kernels.mixed_source.
+    It includes, with their own weights, the strain source, the removal of a residual divergence per strain, and the
+    return of the volume that the residual has made. Every step removes the divergence that the last one left, and
+    leaves one as large: in a standing wave, in proportion to the length of the step and to the square of the height.
+    Particles have moved by it by then, and the mean level under the crests drifts. The integral of the residual along
+    the path of an inner particle is the relative volume made; it is returned over a time of `numerics.volume_time`
+    sqrt(s/g). See kernels.mixed_source.
     """
 
     name, source = "mixed", "Z14 Eqs 17-19"
@@ -42,14 +42,14 @@ class Mixed(Source):
     def target(self, flow: "Flow", dt: float) -> Floats:
         n, density = flow.numerics, flow.density
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
-        assert zeta is not None    # or it would follow from its time
+        assert zeta is not None
         target = self._of_velocity(flow, dt, zeta)
         if n.gamma > 0.0:
             target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha)
         return target
 
     def _of_velocity(self, flow: "Flow", dt: float, zeta: float) -> Floats:
-        """Return the part of the target that the velocity gives (n_owned,) [Pa/m^2]."""
+        """Return the velocity's part of the target (n_owned,) [Pa/m^2]."""
         p, n, density = flow.particles, flow.numerics, flow.density
         if not (n.strain > 0.0 or n.residual_strain > 0.0 or n.volume_time > 0.0):
             return density / dt * zeta * flow.rows.div
@@ -81,10 +81,10 @@ class DensityInvariance(Source):
 
 
 class ErrorCompensating(Source):
-    """The divergence of the predicted velocity, and two terms that compensate the errors of the step before.
+    """The divergence of the predicted velocity, and two terms that compensate errors of the previous step.
 
-    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): where both errors have a sign, each
-    weighs the other.
+    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): each error is weighted by the size of
+    the other.
     """
 
     name, source, fields = "compensating", "Khayyer and Gotoh 2011", ("alpha",)

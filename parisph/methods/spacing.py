@@ -1,4 +1,4 @@
-"""The shift that keeps the distances of neighbours even, for waves that do not break."""
+"""Shift that keeps the distances of neighbours even, for non-breaking waves."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""What a step finds about the flow, and what its regularisers find for each other."""
+"""Findings of a step about the flow, and of its regularisers for each other."""
 
 from dataclasses import InitVar, dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 class Completion(NamedTuple):
-    """What completes sums of kernels: present (M,) of elements, weight (n_all,) and area (n_all, dim) of particles, as
-    for kernels.density."""
+    """Completion of kernel sums, as for kernels.density: present (M,) of elements, weight (n_all,), area (n_all, dim).
+    """
 
     present: Floats
     weight: Floats
@@ -25,23 +25,23 @@ class Completion(NamedTuple):
 
 @dataclass(slots=True)
 class StepState:
-    """What one step finds, made anew when its forces are summed. Each stage writes its own part.
+    """Findings of one step, new for each sum of forces. Each stage writes its own part.
 
-    particles : where they are then
+    particles : with their current positions
     """
 
     particles: InitVar[Particles]
-    time: float = 0.0    # at which the operators act [s]
-    dt: float = 0.0    # length of the step [s], 0 for a look at an instant
+    time: float = 0.0    # of the operators [s]
+    dt: float = 0.0    # length of the step [s], 0 at an instant
     usual: float = 0.0    # its length if it were not shortened to meet a time [s]
     # forces
     force: Floats = field(init=False)    # (n_all, dim) [m/s^2]
-    body_force: Floats = field(init=False)    # the part of it by gravity and the inertia of the tank, not to be changed
-    absorbed: Floats = field(init=False)    # (n_owned, dim) the part by zones that absorb
-    varies: bool = False    # whether the body force differs from place to place, the same on all ranks
+    body_force: Floats = field(init=False)    # its part by gravity and the inertia of the tank, read-only
+    absorbed: Floats = field(init=False)    # (n_owned, dim) its part by zones
+    varies: bool = False    # whether the body force is non-uniform, the same on all ranks
     # surface
     completions: dict[int, Completion] = field(default_factory=dict)    # {`least` that counts: Boundary.completion}
-    potential: Potential | None = None    # of the velocity at the start of the step, if a part needs it
+    potential: Potential | None = None    # of the initial velocity, if a part needs it
     # correction
     by_pressure: Floats = field(init=False)    # (n_owned,) size of the acceleration by pressure alone [m/s^2]
     # strain (methods.straining), 0 if no part needs it
@@ -63,14 +63,14 @@ class StepState:
     def uneven(self) -> bool:
         """Whether the body force varies among the particles of this rank."""
         force = self.body_force
-        return force.strides[0] != 0 and bool(np.any(force != force[:1]))    # one row for all is the usual force
+        return force.strides[0] != 0 and bool(np.any(force != force[:1]))    # mostly one broadcast row
 
 
 @dataclass(slots=True)
 class Preparation:
-    """What regularisers find for each other from one state of the particles, made anew by `regularising.prepare`."""
+    """Findings of regularisers for each other from one state of the particles, new in each `regularising.prepare`."""
 
     pairs: dict[float, Cloud] = field(default_factory=dict)    # {distance [spacings]: Flow.close_pairs}
-    dense: Floats | None = None    # positions.dense, once it is known
-    surplus: tuple[Floats, Floats] | None = None    # positions.surplus, once it is known
-    top_speed: float = 0.0    # of fluid, on all ranks [m/s], where a part has found it
+    dense: Floats | None = None    # of positions.dense
+    surplus: tuple[Floats, Floats] | None = None    # of positions.surplus
+    top_speed: float = 0.0    # of fluid, on all ranks [m/s], if a part needs it

@@ -1,4 +1,4 @@
-"""The steppings: where operators are evaluated in a step, and how particles move."""
+"""Steppings: where operators are evaluated in a step, and how particles move."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,19 @@ from parisph.base.arrays import Floats
 from parisph.kernels import movement
 from parisph.parallel.particles import Particles
 
-SHARE = 1.0 / 12.0    # of dt^2 a, by which a kick must be evaluated ahead for a frequency of fourth order
+SHARE = 1.0 / 12.0    # part of dt^2 a by which a kick is evaluated ahead for a frequency of fourth order
 FADES = 0.75          # tuned 0.375 to 0.95: step over sqrt(s/g) beyond which the share falls, as power -4; judged
-# The acceleration of a shorter step is not remembered, and its pressure on walls has no mean of its own.
-SHORT = 0.5           # tuned 0.25 to 1: part of the usual step, below which a step is a short one; judged
+# A shorter step has no stored acceleration and no own mean of pressures on walls.
+SHORT = 0.5           # tuned 0.25 to 1: part of the usual step below which a step is short; judged
 
 
 @dataclass(frozen=True)
 class Stepping:
     """Where operators are evaluated, and how particles move.
 
-    ahead : part of the step by which particles are moved before
+    ahead : part of the step by which particles move before the operators
     new : whether they move by the new velocity, else by the mean of both (Z14 Eq 16)
-    corrected : whether operators are evaluated where `Accelerations` says
+    corrected : whether `Accelerations` corrects the positions of operators
     """
 
     ahead: float
@@ -39,22 +39,22 @@ STEPPINGS = {"midpoint": Stepping(0.5), "corrected": Stepping(0.5, corrected=Tru
 
 
 class Accelerations:
-    """Accelerations of the last steps, and how far they correct the place of operators.
+    """Accelerations of the last steps, which correct the positions of operators.
 
-    The midpoint stepping is a leapfrog, drift, kick and drift: it makes the frequency w of a wave too high, by
-    (w dt)^2/24 of itself. A kick that is evaluated dt^2/12 a further along, with the acceleration a of its own step,
-    leaves an error of fourth order (Takahashi & Imada 1984, Rowlands 1991). Here a is extrapolated from the last two
-    steps, which damps waves, in 1/w by a part (w dt)^5/24.
+    The midpoint stepping is a leapfrog (drift, kick, drift): it raises the frequency w of a wave by a part (w dt)^2/24.
+    A kick evaluated dt^2/12 a further along, with the acceleration a of its own step, leaves an error of fourth order
+    (Takahashi & Imada 1984, Rowlands 1991). Here a is extrapolated from the last two steps, which damps waves by a part
+    (w dt)^5/24 in a time 1/w.
 
-    The extrapolation drives waves with w dt > 1.41. The shortest deep-water wave on a lattice has w = 1.77 sqrt(g/s),
-    so the correction fades beyond a step of .75 sqrt(s/g): that wave is damped until .95 sqrt(s/g). Those of the rows
-    are slower. In a step shortened to meet a time, the divergence that earlier steps have left is removed as in any
-    other, by an acceleration that says nothing of the next step: it is forgotten.
+    The extrapolation amplifies waves with w dt > 1.41. The shortest deep-water wave on a lattice has w = 1.77
+    sqrt(g/s), so the correction fades beyond a step of .75 sqrt(s/g): this wave is damped up to .95 sqrt(s/g). Waves of
+    the rows are slower. The acceleration of a step shortened to meet a time is not stored: it removes the whole
+    residual divergence and does not resemble that of the next step.
 
     Attributes
     ----------
-    fields : that particles need
-    times : [s] of the accelerations that particles have, the last first; at most two
+    fields : needed by particles
+    times : [s] of the stored accelerations, the last first; at most two
     """
 
     fields = ("acceleration", "acceleration_before")
@@ -63,10 +63,9 @@ class Accelerations:
         self.times: list[float] = []
 
     def ahead(self, particles: Particles, time: float, dt: float, wave_time: float) -> Floats:
-        """Return by how much operators of a step of dt [s], its middle at `time` [s], are evaluated ahead: (n_owned,
-        dim) [m], of any size for walls. Not collective.
+        """Return the correction (n_owned, dim) [m] of operators in a step of dt [s] with its middle at `time` [s].
 
-        wave_time : sqrt(s/g) [s]
+        Values at walls have no meaning. wave_time : sqrt(s/g) [s]. Not collective.
         """
         p = particles
         if not self.times:
@@ -79,9 +78,9 @@ class Accelerations:
         return weight * (1.0 + beyond) * p.acceleration - weight * beyond * p.acceleration_before
 
     def remember(self, particles: Particles, acceleration: Floats, time: float, dt: float, usual: float) -> None:
-        """Keep the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s], in the middle of a step of dt [s].
+        """Store the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s], in the middle of a step of dt [s].
 
-        usual : length of a step that is not shortened to meet a time [s]. Not collective.
+        usual : length of the step [s] if it were not shortened to meet a time. Not collective.
         """
         p = particles
         if dt < SHORT * usual:
@@ -92,8 +91,5 @@ class Accelerations:
 
 
 def share(dt: float, wave_time: float) -> float:
-    """Return the part of dt^2 a by which operators are evaluated ahead in a step of dt [s].
-
-    wave_time : sqrt(s/g) [s]
-    """
+    """Return the part of dt^2 a by which operators are moved ahead in a step of dt [s]. wave_time : sqrt(s/g) [s]"""
     return SHARE * min(1.0, FADES * wave_time / dt) ** 4

@@ -1,4 +1,4 @@
-"""The rules that find the free surface, and the walls that are wet."""
+"""Rules for the free surface and the wet walls."""
 
 from typing import TYPE_CHECKING
 
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 GAP = surface.Gap(
-    enter=2.3,    # tuned 1.15 to 4.6: angle without neighbours from which on a particle joins the surface; judged
+    enter=2.3,    # tuned 1.15 to 4.6: angle without neighbours above which a particle joins the surface; judged
     leave=1.4,    # tuned 0.7 to 2.3: angle below which it leaves the surface; judged
     thin=0.55,    # tuned 0.275 to 1: density ratio below which a particle is on the surface; judged
 )
-REGAIN = 1.5    # tuned 1 to 3: times the floor of the gradient: when free flight of a kept surface ends; judged
+REGAIN = 1.5    # tuned 1 to 3: floor at which free flight on a frozen surface ends, over that of the gradient; judged
 
 
 def classify(flow: "Flow", rule: Surface, dt: float) -> None:
-    """Find the free surface and the wet walls, and write the field role. Collective.
+    """Write the field role by the free surface and the wet walls. Collective.
 
-    Where a part needs it, also the field share, of the half cells at walls for which fluid stands: fluid that fills a
-    closed tank started at all of its walls.
+    If a part needs it, also write the field share, the part of half cells at walls that fluid represents. Fluid that
+    fills a closed tank represents all of them.
 
     flow.step.force : (n_all, dim) [m/s^2], and dt [s]: of the step that begins
     """
@@ -43,16 +43,16 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
         flow.walls.density(p.alpha, flow, wetness.CLOSING)
     rule.find(flow, flow.seen(wetness.CLOSING))
     d.update("role")
-    # also for a frozen surface: it falls and rises past the nodes of the walls
+    # also for a frozen surface, which moves along the walls
     wetness.wet_walls(flow.cloud, p.closing_all)
     flow.walls.leave_out(flow)
 
 
 class Closed(Surface):
-    """No surface: fluid fills a closed tank. Nothing fixes the level of its pressure, whose mean is zero.
+    """No surface: fluid fills a closed tank. The mean pressure is zero, as nothing else fixes its level.
 
-    In any other scene p = 0 at the surface is the only datum that pressure has: a case without one is refused
-    (case.checks), and neither do walls know there whether they are wet.
+    Other scenes need the surface's p = 0 as a datum, and to find wet walls: a case without one is refused
+    (case.checks).
     """
 
     name, open = "none", False
@@ -64,9 +64,9 @@ class Closed(Surface):
 
 
 class Frozen(Surface):
-    """Fluid keeps the role of the start, also particles that have flown freely and have neighbours again.
+    """Fluid keeps its initial role, also after free flight once it has neighbours again.
 
-    For waves that do not break: a breaking dam blows up, at H/s = 20 three times sqrt(H/g) after its start.
+    For non-breaking waves: a breaking dam blows up, at H/s = 20 three times sqrt(H/g) after its start.
     """
 
     name, keeps, fields = "frozen", True, ("closing", "start_role")
@@ -92,10 +92,10 @@ class AngularGap(Surface):
 
 
 class Auxiliary(Surface):
-    """Three auxiliary functions of the neighbours' places.
+    """Three auxiliary functions of the neighbours' positions.
 
-    Density is one of its conditions. On particles jittered by 0.8 spacings some of those below the surface seem to be
-    on it, and water at rest moves with 0.1 sqrt(g d); jittered by 0.4, it rests.
+    Density is one of its conditions. With a jitter of 0.8 spacings some particles below the surface are taken for
+    surface, and water at rest moves with 0.1 sqrt(g d); with 0.4, it rests.
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
@@ -111,9 +111,9 @@ class Auxiliary(Surface):
 class DensityRatio(Surface):
     """Density ratio below .9.
 
-    Of particles jittered by 0.4 spacings some below the surface seem to be on it (Z14 Fig 5 shows the same), and water
-    at rest moves with 0.03 sqrt(g d); by 0.8, it may leave the tank. Jittered by 0.2, it rests. Three of twelve dam
-    breaks at H/s = 20 gain energy after the impact; leave "irrotational" out of the regularisers, with which more do.
+    With a jitter of 0.4 spacings some particles below the surface are taken for surface (as in Z14 Fig 5), and water at
+    rest moves with 0.03 sqrt(g d); with 0.8, it may leave the tank; with 0.2, it rests. Three of twelve dam breaks at
+    H/s = 20 gain energy after the impact; leave "irrotational" out of the regularisers, with which more do.
     """
 
     name, source, fields = "density", "Z14 Sec 2.4", ("closing", "alpha")
@@ -124,7 +124,7 @@ class DensityRatio(Surface):
 
 
 class PositionDivergence(Surface):
-    """Divergence of position below 1.5 in 2D and 2.4 in 3D: three and four fifths of that inside.
+    """Divergence of position below 1.5 in 2D and 2.4 in 3D, three and four fifths of the inner value.
 
     Near neighbours count less than in the density ratio: water rests on particles jittered by 0.8 spacings, too.
     """

@@ -1,4 +1,4 @@
-"""The limits on the time step. None of them depends on the end of the run."""
+"""Limits of the time step, which do not depend on the end of the run."""
 
 import math
 from collections.abc import Callable
@@ -15,14 +15,12 @@ from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
 from parisph.parallel.particles import Particles
 
-GROWTH = 1.1    # tuned 1.05 to 1.2: from one step to the next, at most; judged
-# spacings the fastest particle may move in any impact or strain: shorter steps feed jets that pass close above a solid,
-# and columns one or two particles wide that fall to pieces
-LEAST_MOVE = 0.1    # tuned 0.05 to 0.2: spacings the fastest particle may move in any impact or strain; measured
-WAVE_MOVE = 0.02    # tuned 0.01 to 0.04: spacings it may move in waves that no force makes; judged
-GENTLE = 0.1    # tuned 0.05 to 0.2: of the longest move: what acceleration may add in the first step; judged
-REST = 9.81     # [m/s^2], gravity on earth, that sets the first step of fluid which nothing moves
-# Particles resolve no time that is shorter.
+GROWTH = 1.1    # tuned 1.05 to 1.2: largest ratio of successive steps; judged
+# Shorter steps feed jets close above a solid, and disintegrating columns one or two particles wide.
+LEAST_MOVE = 0.1    # tuned 0.05 to 0.2: least limit on the move of the fastest particle, in spacings; measured
+WAVE_MOVE = 0.02    # tuned 0.01 to 0.04: the same in waves without a force; judged
+GENTLE = 0.1    # tuned 0.05 to 0.2: part of the longest move by acceleration in the first step; judged
+REST = 9.81     # [m/s^2], gravity on earth, which sets the first step of fluid at rest without forces
 TOLD_MOVE = 0.3       # tuned 0.15 to 0.6: move in spacings in the shortest time that particles resolve; judged
 TOLD_FALL = 0.025     # tuned 0.0125 to 0.05: shortest time that particles resolve over sqrt(s/a); judged
 
@@ -32,31 +30,29 @@ def next_step(flow: Flow, gravity: float, previous: float | None = None, shortes
               length: float | None = None) -> float:
     """Return the time step [s]: fixed, or limited by velocity, acceleration and body force. Collective.
 
-    No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor from rest (g
-    dt^2/2). Nor is a step longer than `numerics.fall` sqrt(l/a), with the length l that the time scale of the flow
-    comes from. In waves and in water that is set in motion, a is 1.5 times the largest acceleration, at most that of
-    the body force: a longer step costs accuracy long before it moves a particle far. In an impact a is 1.25 times the
-    root of the mean square, which then is larger: in a dam break, half the step while the water hits the wall is worth
-    as much as half the step all the time. Where `fall` is not 0, no step strains the fluid by more than STRAIN in the
-    mean. In waves a step is at most `wave_step` sqrt(s/g), and strains the fluid by WAVE_STRAIN at most: the same step
-    all the time, since steps that change within a period feed or damp the wave. In violent flow neither impact nor
-    strain makes it shorter than the fastest particle takes for LEAST_MOVE spacings. In waves strain makes it no shorter
-    than WAVE_LEAST of the longest. A step is at most a tenth longer than the last one, so that a single calm step
-    during an impact does not undo the reduction. Infinite if nothing limits it.
+    The limits are:
 
-    Parameters
-    ----------
-    gravity : float, the largest body force on this rank's fluid [m/s^2], 0 if there is none
-    previous : float or None, the last step [s]
-    shortest : float, a step [s] below which the run has diverged
+    - No particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor from rest (g dt^2/2).
+    - `fall` sqrt(l/a), with the length l of the flow's time scale. In waves and starting flow, a is 1.5 times the
+      largest acceleration, at most the body force: a longer step costs accuracy long before it moves a particle far. In
+      an impact a is 1.25 times the root of the mean square, which then is larger: in a dam break, half the step during
+      the impact is worth as much as half the step all the time.
+    - If `fall` is not 0, a mean strain of STRAIN.
+    - In waves, `wave_step` sqrt(s/g), and a strain of WAVE_STRAIN, but at least WAVE_LEAST of the longest step. Steps
+      that change within a period would feed or damp the wave.
+    - In violent flow, impact and strain still let the fastest particle move LEAST_MOVE spacings.
+    - Growth by a tenth, so that a single calm step during an impact does not undo the reduction.
+
+    gravity : the largest body force on this rank's fluid [m/s^2], 0 if there is none
+    previous : the last step [s], or None
+    shortest : a step [s] below which the run has diverged
     accelerations : of fluid in the last step, on all ranks [m/s^2]: the largest, and the root of their mean square
-    strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]; with `wave_step` the largest
-        of the last waves
+    strain_rate : mean sqrt(2 S:S) of fluid in the last step, on all ranks [1/s]; with `wave_step` that of the last
+        waves
     length : l [m], see case.time_scales.flow_length; None for the spacing
+    Returns infinity without a limit.
 
-    Raises
-    ------
-    SolverDiverged on every rank: a velocity is not a number, or so large that the step is below `shortest`.
+    Raises SolverDiverged on every rank if a velocity is NaN, or so large that the step is below `shortest`.
     """
     numerics, particles = flow.numerics, flow.particles
     if numerics.time_step is not None:
@@ -89,17 +85,16 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: ResolvedNumerics,
                force_at: Callable[[float], float], length: float | None = None) -> float:
     """Return the first step of an adaptive run: `dt` [s], shortened. Collective.
 
-    The velocity of fluid that is released is zero, so the first step is limited by the acceleration,
-    including that of the initial pressure: |u| dt + 10 |a| dt^2 is at most `numerics.cfl` spacings. From
-    rest, steps then grow by a tenth each until velocity limits them, instead of falling to a tenth of
-    the first. The body force half way and at the end of the step must also allow it, because it may be
-    zero at the start. Fluid at rest without any force has no time scale: its step is that of a fall from
-    rest on earth.
+    Released fluid has no velocity, so the acceleration, including that by the initial pressure, limits the step: |u| dt
+    + 10 |a| dt^2 is at most `numerics.cfl` spacings. From rest, steps then grow by a tenth each until velocity limits
+    them, instead of falling to a tenth of the first. The body force half way and at the end of the step must also allow
+    it, because it may be zero at the start. Fluid at rest without forces has no time scale: its step is that of a fall
+    from rest on earth.
 
     Parameters
     ----------
     acceleration : (n_owned, dim) at the start [m/s^2]
-    force_at : function of a time after the start [s], the largest body force on this rank's fluid then [m/s^2]
+    force_at : function of a time after the start [s], the largest body force on this rank's fluid [m/s^2]
     length : as of `next_step`
     """
     move, fluid = longest_move(numerics), particles.kind == FLUID
@@ -115,7 +110,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: ResolvedNumerics,
         dt = _fall(move, REST)
     while True:
         allowed = _fall(move, comm.allreduce(max(force_at(dt), force_at(0.5 * dt)), op=MPI.MAX))
-        if not dt > allowed:    # also where the force is no number, which the step itself will say
+        if not dt > allowed:    # also for a NaN force, on which the step itself raises
             return float(dt)
         dt = min(allowed, 0.5 * dt)
 
@@ -124,15 +119,15 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: F
                   walls: Floats | None = None) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
-    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the largest one
-    of the body force, of the acceleration of the fluid by pressure and of that of walls as a; 0 if nothing moves or
-    pulls. Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
+    It is the time in which the fastest particle moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), where a is the
+    largest of the body force, of the acceleration by pressure and of that of walls; 0 if nothing moves or pulls. Over
+    shorter times, pressure consists of the pulses of single particles that come to a wall or to the surface.
 
     force : (n_owned, dim), body force per unit mass [m/s^2]; that on walls does not count
-    acceleration : of fluid by pressure, in the mean on all ranks [m/s^2]: in a tank without gravity whose walls sway,
-        the velocity, which turns, sets no time
-    walls : (n_owned, dim), acceleration of wall particles [m/s^2], None if all walls rest: beside a small body that
-        sways in much water at rest, fluid is accelerated as the body is, and in the mean hardly at all
+    acceleration : mean of fluid by pressure, on all ranks [m/s^2]; it counts in a swaying tank without gravity, whose
+        velocity passes through zero
+    walls : (n_owned, dim), acceleration of wall particles [m/s^2], None if all walls rest; it counts beside a small
+        swaying body in much water at rest, where the mean of the fluid is almost zero
     """
     strongest = record.fluid_sizes(force, particles.kind)[0]
     if walls is not None:
@@ -144,12 +139,12 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: F
 
 
 def rest_step(numerics: ResolvedNumerics) -> float:
-    """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
+    """Return the time [s] of a fall from rest on earth over the longest move of an adaptive step."""
     return float(_fall(longest_move(numerics), REST))
 
 
 def longest_move(numerics: ResolvedNumerics) -> float:
-    """Return how far the fastest particle may move in an adaptive step [m]."""
+    """Return the longest move [m] of a particle in an adaptive step."""
     return numerics.cfl * numerics.spacing
 
 
@@ -159,7 +154,7 @@ def _fall(move: float, gravity: float) -> float:
 
 
 def _accurate(numerics: ResolvedNumerics, acceleration: float, length: float | None) -> float:
-    """Return the longest step [s] of which the scheme's error in time is small; infinite without acceleration."""
+    """Return the longest step [s] with a small error of the scheme in time; infinite without acceleration."""
     if not (numerics.fall and acceleration > 0.0):
         return np.inf
     found: float = numerics.fall * np.sqrt((length or numerics.spacing) / acceleration)
@@ -186,7 +181,7 @@ def _fastest(particles: Particles) -> float:
 
 
 def _largest_of_all(comm: MPI.Comm, speed: float, force: float) -> Floats:
-    """Return the largest speed and force on all ranks, and whether any was not a number. Collective."""
+    """Return the largest speed and force on all ranks, and whether any speed is NaN. Collective."""
     worst = np.array([speed, force, math.isnan(speed)], float)
     worst[np.isnan(worst)] = 0.0
     if comm.size > 1:

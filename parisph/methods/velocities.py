@@ -1,4 +1,4 @@
-"""The regularisers of velocities: filter, films, pair collisions and wall guard."""
+"""Regularisers of velocities: filter, films, pair collisions and wall guard."""
 
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Filter(Regulariser):
-    """Removes a part of each velocity's difference to the moving least squares of its neighbours."""
+    """Removes a part of the deviation of velocities from the moving least squares of neighbours."""
 
     name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
     reads = ("filter", "filter_strain")
@@ -33,7 +33,7 @@ class Filter(Regulariser):
 
 
 class Film(Regulariser):
-    """Makes the depth of fluid that is one particle deep on a wall obey continuity."""
+    """Makes the depth of fluid one particle deep on a wall obey continuity."""
 
     name, cause, words, strain, reach = "film", "film", "films of one layer", False, lengths.MLS
 
@@ -48,7 +48,7 @@ class Film(Regulariser):
 
 
 class Collisions(Regulariser):
-    """Close pairs collide with the part of their velocity that is not that of the strain around them."""
+    """Makes close pairs collide with the part of their velocity beyond the strain around them."""
 
     name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
     reads = ("collision_distance", "restitution")
@@ -72,8 +72,8 @@ class Collisions(Regulariser):
 class WallGuard(Limiter):
     """Stops particles before they pass a wall.
 
-    A particle inside a wall sees its neighbours on the wrong side, which gives an unbounded pressure. With a distance
-    of .5 spacings in place of .25, a tongue would hit a wall late.
+    A particle inside a wall sees its neighbours on the wrong side, with an unbounded pressure. With a distance of .5
+    spacings instead of .25, a tongue would hit a wall late.
     """
 
     name, cause, words = "wall_guard", "guard", "wall guard"
@@ -87,15 +87,15 @@ class WallGuard(Limiter):
 
 
 def keep_in_tank(flow: "Flow", u: Floats, dt: float) -> Floats:
-    """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
+    """Limit the velocity (n_owned, dim) by which fluid will move, with the wall guard. Not collective.
 
-    Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is
-    stopped in this step pass the wall, and stop one that is only slowed down.
+    Particles move by the mean of two velocities. The guard of the new one alone would let a particle that stops in this
+    step pass the wall, and stop one that only slows down.
     """
     p = flow.particles
     if not flow.numerics.wall_guard:
         return u
-    both = p.u_all.copy()    # walls keep theirs
+    both = p.u_all.copy()    # with the velocity of walls
     movement.give_to_fluid(both, u, p.kind)
     flow.walls.guard(both, flow, dt)
     return both[:p.n_owned]

@@ -1,4 +1,4 @@
-"""The friction of walls (case.friction)."""
+"""Friction of walls (case.friction)."""
 
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class WallFriction(Force):
-    """The stress of turbulent flow on walls along which fluid slips, on the layer of particles beside them."""
+    """Stress of turbulent flow on free-slip walls, on the layer of particles beside them."""
 
     name, source, only = "friction", "Werner & Wengle 1993", "friction"
     words, cause, reach = "friction", "friction", lengths.WALL
@@ -21,7 +21,7 @@ class WallFriction(Force):
 
     def add(self, out: Floats, flow: "Flow", time: float) -> None:
         p = flow.particles
-        assert flow.friction is not None    # the scene has it
+        assert flow.friction is not None
         p.friction[:] = 0.0
         flow.walls.rub(p.friction, flow, flow.friction)
         flow.domain.update("friction")

@@ -1,4 +1,4 @@
-"""Fields that no step needs: they are computed when they are written, for a scene that asks for them."""
+"""Fields that no step needs: they are computed when they are written, for scenes that ask for them."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 
 
 def compute(flow: "Flow", names: Iterable[str], time: float) -> None:
-    """Write those of the fields `names` that are computed here, of owned particles at a time [s]. Collective."""
+    """Write those of the fields `names` that this module computes, of owned particles at a time [s]. Collective."""
     for name in names:
         if name in WRITTEN:
             WRITTEN[name](flow, time)
 
 
 def check(names: Iterable[str], dim: int) -> None:
-    """Raise CaseError for a field that a scene of so many dimensions cannot have."""
+    """Raise CaseError for a field that does not exist in this number of dimensions."""
     if dim != 2 and "vorticity" in names:
         raise CaseError(f"output.fields: 'vorticity' exists in 2D only, and this scene has {dim} dimensions")
 
 
 def _vorticity(flow: "Flow", time: float) -> None:
-    """That of the velocity gradient by least squares (kernels.strain): exact for a linear velocity."""
+    """Write the vorticity by a least-squares gradient (kernels.strain), exact for a linear velocity."""
     p = flow.particles
     gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
     with _walls_along(flow, time):
@@ -41,10 +41,10 @@ def _vorticity(flow: "Flow", time: float) -> None:
 
 @contextmanager
 def _walls_along(flow: "Flow", time: float) -> Iterator[None]:
-    """Let walls have the velocity of the flow along them at a time [s], within this context. Collective.
+    """Give walls the velocity of the flow along them at a time [s], within this context. Collective.
 
-    Those of the step have that of its start. Beside them an irrotational wave had a vorticity of the acceleration times
-    the step over the spacing. The run goes on with what it had: what is written changes nothing.
+    With their velocity at the start of the step, an irrotational wave had a vorticity beside walls of the acceleration
+    times the step over the spacing. The velocity of the run is restored.
     """
     p, d = flow.particles, flow.domain
     d.update("x", "u", "role")

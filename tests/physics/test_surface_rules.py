@@ -9,7 +9,7 @@ from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID, SURFACE
 from parisph.base.vocabulary import known
 from parisph.case.presets import WITHOUT_FILMS
-from parisph.driver import Simulation, preview
+from parisph.driver import Simulation, precheck
 from parisph.methods import catalogue
 from parisph.methods.parts import SURFACES
 from tests.scenes import scene
@@ -84,7 +84,7 @@ def test_a_surface_that_keeps_its_particles_does_not_break(tmp_path):
 
 @pytest.mark.parametrize("rule", MOVING)
 def test_check_names_the_rule(rule):
-    assert f"surface ({rule})" in preview.stages(scene("dam_break", surface_rule=rule))
+    assert f"surface ({rule})" in precheck.stages(scene("dam_break", surface_rule=rule))
 
 
 def test_no_surface_is_only_for_a_full_tank():
@@ -94,10 +94,10 @@ def test_no_surface_is_only_for_a_full_tank():
     with pytest.raises(
             CaseError, match="numerics.preset = closed: looks for no free surface, .* choose violent, gentle or"):
         scene("dam_break", preset="closed")
-    assert "surface (gap)" in preview.stages(scene("dam_break", preset="closed", surface_rule="gap"))
+    assert "surface (gap)" in precheck.stages(scene("dam_break", preset="closed", surface_rule="gap"))
     full = scene("lid_driven_cavity", spacing=0.1)
     assert full.complete_numerics().surface_rule == "none"
-    assert not any(stage.startswith("surface") for stage in preview.stages(full))
+    assert not any(stage.startswith("surface") for stage in precheck.stages(full))
 
 
 @pytest.mark.parametrize("rule", OPEN)

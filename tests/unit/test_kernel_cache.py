@@ -118,7 +118,7 @@ def test_a_full_disk_is_told_once_and_the_run_goes_on(tmp_path, caplog, monkeypa
 
 
 def test_no_folder_at_all_is_told(caplog):
-    assert hits(cache.Folders(None, ())) == 0 and "can be kept in no folder" in caplog.text
+    assert hits(cache.Folders(None, ())) == 0 and "no folder for compiled kernels is writable" in caplog.text
 
 
 def test_files_of_an_earlier_source_are_removed(tmp_path):

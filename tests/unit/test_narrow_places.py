@@ -140,3 +140,12 @@ def test_walls_that_an_earlier_release_divided_otherwise_are_not_taken_for_the_s
     with pytest.raises(CaseError, match="the checkpoint has 87 particles on walls, and this release divides .* by 89:"):
         elements_of(case, run.particles)
     run.destroy()
+
+
+def test_fluid_may_touch_itself():
+    """As a drop on a bridge of no width over a pool, which an Obstacle refuses."""
+    keyhole = Polygon(((0.0, 0.0), (1.0, 0.0), (1.0, 0.3), (0.525, 0.3), (0.525, 0.4), (0.7, 0.5), (0.35, 0.5),
+                       (0.525, 0.4), (0.525, 0.3), (0.0, 0.3)))
+    case = Case(title="keyhole", fluid=Fluid(keyhole, density=1000.0), walls=Tank(1.0, 1.0), gravity=(0.0, -9.81),
+                numerics=Numerics(spacing=0.05), end_time=1.0)
+    assert scene_checks.faults(case) == []
