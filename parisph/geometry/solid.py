@@ -96,7 +96,7 @@ def solid_of(body: Wall) -> Solid:
 
 
 def outline_of(shape: Shape) -> Solid:
-    """Return the Solid that a shape would be. That of fluid may touch itself, which an Obstacle refuses."""
+    """Return a shape as a Solid; unlike an Obstacle, it may touch itself, as fluid may."""
     return Solid(_clockwise(corners_of(shape)), True)
 
 
