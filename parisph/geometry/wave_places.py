@@ -1,4 +1,4 @@
-"""Whether wavemakers and zones make their waves in water as deep as these waves need (2D)."""
+"""Whether the water at wavemakers and relaxation zones has the depth of their waves (2D)."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,12 +13,12 @@ from parisph.case.scenery import body_names
 from parisph.geometry.columns import beds
 from parisph.geometry.solid import Wall, solid_of
 
-CLOSE = 0.01    # of the depth of a wave: how far the water may differ
+CLOSE = 0.01    # of the depth of a wave: tolerance of the depth of the water
 PLACES = 9      # along a zone
 
 
 def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
-    """Yield one line for each wave that is made in water of another depth.
+    """Yield one line for each wave made in water of another depth.
 
     walls : geometry.standing.standing of the case
     """
@@ -37,7 +37,7 @@ def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
 
 
 def _depth(case: Scene, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
-    """Compare the depth of a wave with those of the water at places x (n,) above beds (n,) [m]."""
+    """Compare the depth of a wave with the depths of the water at places x (n,) above beds (n,) [m]."""
     if level is None:
         boxes = [case.bounds_of(fluid) for fluid in case.fluids]
         tops = [top[-1] for low, top in boxes if np.any((x >= low[0] - 1e-9) & (x <= top[0] + 1e-9))]
