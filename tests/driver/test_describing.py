@@ -40,7 +40,7 @@ def test_numbers_that_no_part_reads_are_named():
     case = scene("standing_wave", spacing=0.1)
     given = {"numerics.kappa": 0.5, "numerics.filter_strain": 1.0, "numerics.shift_strain": 9.0}
     told = describe(case.changed(**given))
-    assert "numerics.filter_strain = 1 has no effect" in told and "which are filter;" in told
+    assert "numerics.filter_strain = 1 has no effect" in told and "that read it: filter;" in told
     assert "kappa = 0.5 has" not in told and "shift_strain = 9 has" not in told
     for values in ({"numerics.kappa": 0.0}, {"numerics.filter_strain": 1.0, "numerics.preset": "violent"}):
         assert "has no effect" not in describe(case.changed(**values))
