@@ -58,7 +58,10 @@ def test_first_pressure_on_wall_and_bed_is_that_of_the_reference(start):
 
 @pytest.fixture(scope="module")
 def fall(tmp_path_factory):
-    """800 particles past the first impact on the far wall, to t sqrt(g/H) = 2.5: (run, summary)."""
+    """800 particles past the first impact on the far wall, to t sqrt(g/H) = 2.5: (run, summary).
+
+    The energy rises by 0.07 to 0.1 % in jittered starts, and by 0.12 % from the lattice.
+    """
     folder = tmp_path_factory.mktemp("dam_break") / "run"
     case = scene("dam_break", spacing=0.025, end_time=2.5, volume_every=1, jitter=0.2, seed=1)
     summary = run(case, MPI.COMM_SELF, folder, progress=False)

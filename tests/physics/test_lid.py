@@ -48,7 +48,10 @@ def test_wave_that_stays_below_the_lid(preset, difference):
 
 @pytest.mark.parametrize("gap", [1, 3])
 def test_crest_that_hits_the_lid(gap):
-    """One spacing of air is so little that the water closes it here and there: it must not collapse then."""
+    """One spacing of air is so little that the water closes it here and there: it must not collapse then.
+
+    With this air, swayed by 0.04 to 0.06 m, it comes down by 0.28 to 0.44 spacings.
+    """
     (left, volume, lid), isolated = swayed(gap, 0.05, 450)
     assert lid.max() > 500.0 and np.abs(lid).max() < 2e4
     assert left.min() < DEPTH - 0.25 * S, "it comes down again"
