@@ -215,13 +215,11 @@ def _compare(args: argparse.Namespace) -> None:
 
 
 def _reflection(args: argparse.Namespace) -> None:
-    from parisph.case import stored
     from parisph.io import reader
     from parisph.truth import reflected
 
     run = reader.open_run(args.run)
-    case = stored.from_json(json.dumps(run.case), read_only=True)
-    found = reflected.analysed(case, run, args.probes, args.period, args.depth, args.start, args.end)
+    found = reflected.analysed(run.scene, run, args.probes, args.period, args.depth, args.start, args.end)
     print(json.dumps(found, indent=2) if args.json else reflected.text(found))
 
 

@@ -9,9 +9,9 @@ from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.case.model import Model
-from parisph.case.probes import Gauge, Probe, ProbeArray
+from parisph.case.probes import Probe, ProbeArray
 from parisph.case.profiles import read_profiles
-from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of, read_truth
+from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of
 from parisph.io.reader import Run
 from parisph.pictures import curves, style
 from parisph.truth import profiled, verdict
@@ -24,22 +24,12 @@ if TYPE_CHECKING:
 MOST = 99.8    # percentile of the values of the run that the axes contain
 
 
-def references(probe: Probe, run: Run) -> dict[str, curves.Samples]:
-    """Return {name: (times (n,) [s], values (n,))} of the references of a probe. Raises CaseError for its file."""
-    truth = probe.truth
-    if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
-        time = run.probe(probe.name)["time"]
-        return {"wave": (time, truth.series(probe.at, time))}
-    series = (truth, *truth.others) if isinstance(truth, Truth) else ()
-    return {one.name or "reference": read_truth(one) for one in series}
-
-
 def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure":
     """Draw a probe and its references, without a shift of time; return the matplotlib Figure.
 
     Times that are not compared are grey. Boxes are bands of peaks in experiments. Raises CaseError, StoreError.
     """
-    found, others = verdict.series(probe, run), references(probe, run)
+    found, others = verdict.series(probe, run), curves.references(probe, run)
     picture = style.new_figure(figsize=(8.0, 3.6), layout="constrained")
     axes = picture.add_subplot()
     unit = next((unit for name, unit in run.units(probe.name).items() if name not in ("time", "step")), "")

@@ -52,7 +52,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
         raise StoreError(f"{run.folder} has no snapshots")
     pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
     some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
-    view = FieldView(run.case, some, Look(field, **look))
+    view = FieldView(run.scene, some, Look(field, **look))
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
     axes = picture.add_subplot()

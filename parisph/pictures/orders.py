@@ -154,12 +154,12 @@ def _at_peak(run: Run, probe: str) -> float | Mapping[str, Any]:
 
 
 def _why_not_kept(run: Run, probe: str, kept: Mapping[str, Any] | None) -> str:
-    about: Mapping[str, Any] = next((one for one in run.case.get("probes", ()) if one["name"] == probe), {})
-    if kept is not None and about.get("truth"):
+    about = next((one for one in run.scene.probes if one.name == probe), None)
+    if kept is not None and about and about.truth:
         return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time of its truth"
     if kept is not None:
         return f"the flow that the run keeps is at t = {kept['time']:.6g} s, of {kept['peak']:.6g}"
-    if about.get("peak"):
+    if about and about.peak:
         return f"the flow that the run has kept is not in {run.folder / PEAKS}"
     return "a probe with peak=True keeps the flow at its peak"
 
@@ -177,7 +177,7 @@ def _warn_of_other_time(run: Run, time: float) -> None:
 def _truths(run: Run) -> dict[str, curves.Samples]:
     """Return the references of the probes; none, with a note, if their files are not on this machine."""
     try:
-        return curves.truths(run, Path())
+        return curves.truths(run)
     except ParisphError as error:
         print(f"parisph: drawn without its reference: {error}", file=sys.stderr)
         return {}

@@ -27,14 +27,14 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
         raise StoreError(f"{run.folder} has no snapshots")
     moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 4).round())]
     panels = [(unit, lines) for (_, unit), lines in curves.by_quantity([run]).items()]
-    view = FieldView(run.case, moments, Look(field, **look))
+    view = FieldView(run.scene, moments, Look(field, **look))
     columns = min(2, len(moments))
     heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(panels) // 2 + 1)
     picture = style.new_figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
     flow, series = picture.subfigures(2, 1, height_ratios=heights)
     _draw_moments(flow, view, moments, columns, marked=True)
     _draw_series(series, run, panels)
-    picture.suptitle(style.literal(run.case["title"]), fontsize=13)
+    picture.suptitle(style.literal(run.scene.title), fontsize=13)
     _say_state(flow, run)
     style.save(picture, path)
     return picture
@@ -45,7 +45,7 @@ def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns:
     if len(run) == 0:
         raise StoreError(f"{run.folder} has no snapshots")
     moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
-    view, columns = FieldView(run.case, moments, Look()), min(columns, len(moments))
+    view, columns = FieldView(run.scene, moments, Look()), min(columns, len(moments))
     height = -(-len(moments) // columns) * _height(view, 10.4 / columns)
     picture = style.new_figure(figsize=(11.0, 0.4 + height), layout="constrained")
     _draw_moments(picture, view, moments, columns)
@@ -56,7 +56,7 @@ def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns:
 def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> None:
     """Draw the particles at a snapshot, small and with few colours, for galleries. Raises as view.plot_field."""
     snapshot = run.snapshot(which)
-    view = FieldView(run.case, [snapshot], Look(field))
+    view = FieldView(run.scene, [snapshot], Look(field))
     width, height = view.size(5.6)
     picture = style.new_figure(figsize=(width, height), layout="compressed")
     axes = picture.add_subplot()

@@ -16,7 +16,7 @@ def state(run: Run) -> str:
     end, summary = last(run), _summary(run)
     when = "before its first step" if end is None else f"after t = {end:.4g} s"
     if summary is None:
-        return f"goes on, or was killed, {when} of {run.case['end_time']:.4g} s"
+        return f"goes on, or was killed, {when} of {run.scene.end_time:.4g} s"
     words = str(summary.get("status"))
     if words.startswith("completed"):
         return ""

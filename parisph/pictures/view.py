@@ -11,13 +11,14 @@ from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
 from parisph.case.bodies import Profile
+from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import domain
 from parisph.geometry.solid import solid_of
 from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style, window
-from parisph.pictures.bodies_view import draw_bodies, draw_marks, of_dict
+from parisph.pictures.bodies_view import draw_bodies, draw_marks
 from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
     """
     run = run if isinstance(run, Run) else open_run(run)
     snapshot = which if isinstance(which, Mapping) else run.snapshot(which)
-    view = FieldView(run.case, [snapshot], Look(field, **look))
+    view = FieldView(run.scene, [snapshot], Look(field, **look))
     picture = style.new_figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
     view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
@@ -100,19 +101,18 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
 
 class FieldView:
-    """Draws snapshots of one run, with common scales, walls, colours and window. case : dict, as in case.json"""
+    """Draws snapshots of one run, with common scales, walls, colours and window."""
 
-    def __init__(self, case: Mapping[str, Any], snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
+    def __init__(self, scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
-        self.case, self.look = case, look
-        self.quantity, self.own = style.quantity(look.field), style.scene_units(case)
+        self.scene, self.look = scene, look
+        self.quantity, self.own = style.quantity(look.field), style.scene_units(scene)
         if look.normalise and self.own.time is None:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
-        self.spacing = case["numerics"]["spacing"] / self.length
-        self.scene = of_dict(case)
-        self.seen = PictureFrame.of(self.scene, look.frame)
+        self.spacing = scene.numerics.spacing / self.length
+        self.seen = PictureFrame.of(scene, look.frame)
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # times that heights are drawn
 
@@ -234,7 +234,7 @@ class FieldView:
 
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
-        box, spacing = self._walls_box(), self.case["numerics"]["spacing"]
+        box, spacing = self._walls_box(), self.scene.numerics.spacing
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
         times = np.array([snapshot["time"] for snapshot in snapshots])
@@ -310,7 +310,7 @@ class FieldView:
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
         more = ",   ".join(filter(None, [self.seen.note(time), window.said(self.stretch), *notes]))
-        title = [*([style.literal(self.case["title"])] if label else []), style.time_label(time, self.own),
+        title = [*([style.literal(self.scene.title)] if label else []), style.time_label(time, self.own),
                  *([more] if more else [])]
         axes.set_title("\n".join(title), loc="left", fontsize=11 if label else 9)
         down = self.seen.down(time)

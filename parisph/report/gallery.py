@@ -12,7 +12,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain
 from parisph.io.files import write_text
 from parisph.io.reader import Run
-from parisph.pictures import curves, overview, style
+from parisph.pictures import curves, overview
 from parisph.report import account, events, markup
 from parisph.report.between import Between
 from parisph.report.entries import Cell, CellTable, number
@@ -110,7 +110,7 @@ def _caption(run: Run) -> str:
 
 def _field(run: Run) -> str:
     """Return the quantity in the picture: the pressure, or the speed of a viscous flow."""
-    return "speed" if any(fluid.get("viscosity") for fluid in style.fluids_of(run.case)) else "pressure"
+    return "speed" if run.scene.viscosity else "pressure"
 
 
 def _facts(about: Subject) -> CellTable:

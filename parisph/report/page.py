@@ -3,7 +3,7 @@
 The page is one file. Its pictures are also written as PNG files into the folder `report` beside it.
 """
 
-import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from typing import Any
 from parisph.base.errors import CaseError, ParisphError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, plain
-from parisph.case import stored
 from parisph.case.probes import Probe, ProbeArray
 from parisph.case.truths import intervals
 from parisph.io.files import write_text
@@ -34,7 +33,7 @@ class Subject:
     run: Run
     title: str
     case: dict[str, Any]
-    probes: list[Probe]
+    probes: Sequence[Probe]
     summary: dict[str, Any]
 
 
@@ -47,8 +46,7 @@ def subject(folder: AnyPath) -> Subject:
                 if inner else "give the folder that `parisph run` has printed at its end")
         raise StoreError(f"{named(folder)} is not the folder of a run, as it has no case.json; {hint}")
     run = open_run(path)
-    case = stored.from_json(json.dumps(run.case), read_only=True)
-    return Subject(run, clipped(plain(case.title), 200), run.case, list(case.probes), run.summary or {})
+    return Subject(run, clipped(plain(run.scene.title), 200), run.case, run.scene.probes, run.summary or {})
 
 
 def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
@@ -173,10 +171,11 @@ def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
 def _conserved(about: Subject) -> list[str]:
     if not about.summary:
         return []
-    tables = (energies.drift(about.case, about.summary), energies.motion(about.summary))
+    scene = about.run.scene
+    tables = (energies.drift(scene, about.summary), energies.motion(about.summary))
     return [markup.heading("Volume and energy"), *(markup.table(content) for content in tables if content.rows),
             *(markup.paragraph(text, "small")
-              for text in (*energies.lost(about.summary), *energies.drift_notes(about.case, about.summary)))]
+              for text in (*energies.lost(about.summary), *energies.drift_notes(scene, about.summary)))]
 
 
 def _cost(about: Subject, folder: Path) -> list[str]:

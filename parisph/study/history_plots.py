@@ -11,7 +11,6 @@ from parisph.base.arrays import Floats
 from parisph.base.errors import ParisphError
 from parisph.base.table import names as columns_of
 from parisph.base.table import read_reference
-from parisph.case.probes import Probe, class_of
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.study import report
@@ -116,8 +115,7 @@ def _key(one: Result, sort: str | None) -> str:
 
 def _column(run: Run, probe: str) -> str:
     names = [name for name in run.probe(probe).dtype.names or () if name not in ("time", "step")]
-    kind = next((about["kind"] for about in run.case.get("probes", ()) if about["name"] == probe), "")
-    judged = (class_of(kind) or Probe).judged
+    judged = next((one.judged for one in run.scene.probes if one.name == probe), "")
     return judged if judged in names else names[0]
 
 
@@ -125,7 +123,7 @@ def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]
     """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
     found = {}
     try:
-        if probe in (own := curves.truths(run, Path())):
+        if probe in (own := curves.truths(run)):
             found["truth"] = own[probe]
     except ParisphError:    # the file has been moved: the picture is drawn without it
         pass
