@@ -21,7 +21,12 @@ def _run(args: argparse.Namespace) -> None:
     if environment.launched()[1] > 1:
         ranks.world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
-    text, origin, out, parts = ranks.on_first(lambda: _prepared(args))
+
+    def prepared() -> tuple[str, dict[str, Any], str, list[str]]:
+        case = _load(args)
+        return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
+
+    text, origin, out, parts = ranks.on_first(prepared)
     ranks.stop_if_asked()
     comm = ranks.world()
     from parisph import driver
@@ -33,12 +38,6 @@ def _run(args: argparse.Namespace) -> None:
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
                          force=args.force)
     _tell(comm, summary, out)
-
-
-def _prepared(args: argparse.Namespace) -> tuple[str, dict[str, Any], str, list[str]]:
-    """Return (case as JSON text, its origin, folder for the run, files that have registered parts). On one rank."""
-    case = _load(args)
-    return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
 
 
 def _restart(args: argparse.Namespace) -> None:

@@ -106,6 +106,15 @@ def rewrite(path: Path, text: str) -> None:
         os.chmod(new, stat.S_IMODE(status.st_mode))
 
 
+@contextmanager
+def failing_as(doing: str) -> Iterator[None]:
+    """Raise StoreError "cannot <doing>: <cause>" for an OSError inside. One process."""
+    try:
+        yield
+    except OSError as error:
+        raise StoreError(f"cannot {doing}: {error.strerror or error}") from None
+
+
 def write_text(path: Path, text: str) -> None:
     """Replace the content of `path` by `text` atomically. One rank.
 

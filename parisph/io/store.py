@@ -22,7 +22,6 @@ from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
 from parisph.io.series import SeriesFile, read_own, units
-from parisph.io.slabs import Pattern
 from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
 
@@ -51,7 +50,6 @@ class Store:
         self._series: dict[str, SeriesFile] = {}
         self._keep_to: int | None = None
         self._here = False
-        self._pattern = Pattern()
         self.about = dict(about)
         self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
 
@@ -137,7 +135,7 @@ class Store:
     def snapshot(self, particles: Particles, time: float, step: int) -> None:
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
         name = self.comm.bcast(self._next_name(time) if self.comm.rank == 0 else None)
-        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about, self._pattern)
+        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
 
         def enter() -> None:
             if self.times[-1:] == [time]:

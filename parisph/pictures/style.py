@@ -19,7 +19,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain, shown
 from parisph.case.expressions import uniform_field
 from parisph.case.schema import Case
-from parisph.io.files import replacing
+from parisph.io.files import failing_as, replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -217,18 +217,15 @@ def discs(axes: "Axes", x: Floats, diameter: float, **how: Any) -> "EllipseColle
     return drawn
 
 
-def save_small(picture: "Figure", path: AnyPath, dpi: float = 90, colours: int = 64) -> None:
+def save_small(picture: "Figure", path: AnyPath) -> None:
     """Write a figure as a PNG of few colours, which is a third of the size. Raises StoreError."""
     from PIL import Image  # matplotlib needs it
 
     drawn = io.BytesIO()
-    picture.savefig(drawn, format="png", dpi=dpi, bbox_inches="tight")
-    small = Image.open(drawn).convert("RGB").quantize(colours)
-    try:
-        with replacing(path) as new:
-            small.save(new, format="png", optimize=True)
-    except OSError as error:
-        raise StoreError(f"cannot write the picture {path}: {error.strerror or error}") from None
+    picture.savefig(drawn, format="png", dpi=90, bbox_inches="tight")
+    small = Image.open(drawn).convert("RGB").quantize(64)
+    with failing_as(f"write the picture {path}"), replacing(path) as new:
+        small.save(new, format="png", optimize=True)
 
 
 def save(picture: "Figure", path: AnyPath | None, dpi: float = 150) -> None:

@@ -10,7 +10,7 @@ from parisph.base.errors import StoreError
 from parisph.base.markdown import escaped, line, target
 from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain
-from parisph.io.files import write_text
+from parisph.io.files import failing_as, write_text
 from parisph.io.reader import Run
 from parisph.pictures import curves, overview
 from parisph.report import account, events, markup
@@ -45,16 +45,15 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     place = Path(out)
     pages, texts = [], ["# Gallery", ""]
     for name, about in _subjects(folders):
-        path = _picture(about.run, _folder(place) / f"{name}.png")
-        pages += [markup.heading(about.title), *([markup.picture(path, _caption(about.run))] if path else []),
+        path = _picture(about.run, place / f"{name}.png")
+        caption = f"{_field(about.run).capitalize()} at t = {about.run.times[_moment(about.run)]:.4g} s" if path else ""
+        pages += [markup.heading(about.title), *([markup.picture(path, caption)] if path else []),
                   markup.table(_facts(about)),
                   markup.table(truths) if (truths := _table(about)).rows else markup.paragraph("No truth.")]
         texts += [f"## {line(about.title)}", "", *_text(name, about, f"{name}.png" if path else "")]
-    try:
+    with failing_as(f"write to {place}"):
         write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
         write_text(place / "gallery.md", "\n".join([*texts[:2], _words(), "", *texts[2:]]))
-    except OSError as error:
-        raise StoreError(f"cannot write to {place}: {error.strerror}") from None
     return [place / "gallery.html", place / "gallery.md"]
 
 
@@ -67,7 +66,7 @@ def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
     place, texts = Between(file, START, END, "the gallery"), ["", _words(), ""]
     pictures = place.path.parent / PICTURES
     for name, about in _subjects(folders):
-        picture = _picture(about.run, _folder(pictures) / f"{name}.png")
+        picture = _picture(about.run, pictures / f"{name}.png")
         texts += [f"### {line(name)}", "", *_text(about.title, about, f"{PICTURES}/{name}.png" if picture else "")]
     place.put(texts)
     return [Path(file)]
@@ -84,15 +83,10 @@ def _words() -> str:
     return account.ALIGNMENT.partition(" The last two")[0]
 
 
-def _folder(place: Path) -> Path:
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"cannot make {place}: {error.strerror}") from None
-    return place
-
-
 def _picture(run: Run, path: Path) -> Path | None:
+    """Draw a run, and return the path; None for a run without snapshots."""
+    with failing_as(f"make {path.parent}"):
+        path.parent.mkdir(parents=True, exist_ok=True)
     if len(run) == 0:
         return None
     overview.plot_small(run, _moment(run), path, _field(run))
@@ -102,10 +96,6 @@ def _picture(run: Run, path: Path) -> Path | None:
 def _moment(run: Run) -> int:
     """Return the snapshot at two thirds of the run: often after the impact and before the flow comes to rest."""
     return (2 * (len(run) - 1)) // 3
-
-
-def _caption(run: Run) -> str:
-    return f"{_field(run).capitalize()} at t = {run.times[_moment(run)]:.4g} s"
 
 
 def _field(run: Run) -> str:

@@ -13,7 +13,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, plain
 from parisph.case.probes import Probe, ProbeArray
 from parisph.case.truths import intervals
-from parisph.io.files import write_text
+from parisph.io.files import failing_as, write_text
 from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
@@ -57,20 +57,16 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
     """
     about, place = subject(folder), Path(out if out is not None else folder)
     pictures = place / FOLDER
-    try:
+    with failing_as(f"make {pictures}"):
         make_inside(pictures)
-    except OSError as error:
-        raise StoreError(f"cannot make {pictures}: {error.strerror}") from None
     try:
         parts = [*_run(about), *_errors(about), *_series(about, pictures), *_flow(about, pictures),
                  *_conserved(about), *_cost(about, pictures), *_made(about)]
     except (TypeError, KeyError, AttributeError, OverflowError) as error:
         raise StoreError(f"{about.run.folder / 'summary.json'} is damaged: its entries are not those of a summary "
                          f"({type(error).__name__})") from None
-    try:
+    with failing_as(f"write {place / PAGE}"):
         write_text(place / PAGE, markup.page(about.title, parts))
-    except OSError as error:
-        raise StoreError(f"cannot write {place / PAGE}: {error.strerror}") from None
     return place / PAGE
 
 

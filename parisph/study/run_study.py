@@ -19,7 +19,7 @@ from contextlib import closing
 from pathlib import Path
 
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError
-from parisph.io.files import write_json
+from parisph.io.files import failing_as, write_json
 from parisph.study import (
     error_plots,
     history_plots,
@@ -99,7 +99,7 @@ def _conclude(plan: Plan, found: Sequence[Result], show: Callable[[str], None], 
     parts = [report.table(found, plan.study), *([limits.table(verdicts)] if verdicts else []),
              *([f"{missing} of {len(plan.runs)} runs have no result yet."] if missing else [])]
     results.save(found, plan)
-    with study_folder.writing(plan.folder):
+    with failing_as(f"write to {plan.folder}"):
         write_json(plan.folder / "required.json", {"required": limits.as_lines(verdicts)})
     study_folder.publish(plan.folder, plan.title, parts, _pictures(plan, found, tell), show)
     unmet, failed = limits.unmet(verdicts), [one for one in found if one.end.status == "failed"]

@@ -13,11 +13,10 @@ from parisph.base.errors import ParisphError, StoreError
 from parisph.base.json_digest import MADE
 from parisph.base.text import clipped, plain
 from parisph.io import reader
-from parisph.io.files import read_json, write_json, write_text
+from parisph.io.files import failing_as, read_json, write_json, write_text
 from parisph.io.folder import make_inside
 from parisph.study import processes
 from parisph.study.plan import Plan, PlannedRun, code_version
-from parisph.study.study_folder import writing
 
 CASES, RUNS, ENDS = "cases", "runs", "ends"    # folders inside that of a study
 DIVERGED = 3         # exit code of a run that blew up: a result
@@ -104,7 +103,7 @@ def make(runs: Sequence[PlannedRun], plan: Plan, jobs: int = 1,
     If the generator is closed, or an exception is raised in it (Ctrl-C), the runs that it has started are ended.
     Raises StoreError : the folder cannot be written.
     """
-    with writing(plan.folder):
+    with failing_as(f"write to {plan.folder}"):
         for name in (CASES, RUNS, ENDS):
             make_inside(plan.folder / name)
     waiting = list(runs)

@@ -143,20 +143,16 @@ def moving_mean(time: Floats, value: Floats, width: float) -> Floats:
 
     At the ends of the series the mean is over what is there.
     """
-    time, value = _series(time, value)
-    return _moving_mean(time, value, width)
+    t, p = _series(time, value)
+    low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
+    mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
+    return mean
 
 
 def _within(time: Floats, other: Floats) -> Flags:
     """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
     inside: Flags = (time >= other[0]) & (time <= other[-1])
     return inside
-
-
-def _moving_mean(t: Floats, p: Floats, width: float) -> Floats:
-    low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
-    mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
-    return mean
 
 
 def _integral(t: Floats, p: Floats, upto: Floats) -> Floats:
