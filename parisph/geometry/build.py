@@ -207,11 +207,6 @@ def _started(case: Scene, fluid: Fluid, x: Floats) -> dict[str, Floats]:
             "p": _still_pressure(case, fluid, x) if compressible else np.zeros(len(x))}
 
 
-def lattice_step(case: Scene) -> Floats:
-    """Return the step (dim,) [m] of the lattice of the first body of fluid."""
-    return fillings(case)[0].step
-
-
 def domain(case: Scene) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (dim,) [m] of the walls, wherever they move, or of the fluid without any.
 

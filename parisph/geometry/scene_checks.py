@@ -116,8 +116,9 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     for met in _met(walls, case):
         if met.distance == 0.0:
             one, other = walls[met.one], walls[met.other]
+            unit = "rad" if isinstance(one.motion, Rotation) else "m"
             yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
-                   f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
+                   f"({met.at[0]:.3g}, {met.at[1]:.3g}), {abs(met.value):.3g} {unit} from where it starts; must stay "
                    f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or let both move "
                    "alike")
 
@@ -163,10 +164,6 @@ def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
 
 def _moves(wall: Wall) -> str:
     return type(wall.motion).__name__
-
-
-def _amount(wall: Wall, value: float) -> str:
-    return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
 
 
 def _few(case: Case) -> Iterator[str]:

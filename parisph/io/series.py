@@ -120,7 +120,7 @@ def _checked(path: Path, number: int, cells: list[str], count: int, before: tupl
              each_step: bool) -> tuple[float, int]:
     """Return (time, step) of a line of a SeriesFile. Raises StoreError if the line cannot be one that was written."""
     try:
-        if len(cells) != count or not row_is_plain(cells):
+        if len(cells) != count or not all(cell.isprintable() and '"' not in cell for cell in cells):
             raise ValueError
         time, step = float(cells[0]), int(cells[1])
     except ValueError:
@@ -130,11 +130,6 @@ def _checked(path: Path, number: int, cells: list[str], count: int, before: tupl
         raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at "
                          f"{before[0]:g} s. Mend the file or move it away")
     return time, step
-
-
-def row_is_plain(cells: list[str]) -> bool:
-    """Return whether all cells are numbers, words or empty, without control characters."""
-    return all(cell.isprintable() and '"' not in cell for cell in cells)
 
 
 def table(names: list[str], lines: list[list[str]]) -> Array:

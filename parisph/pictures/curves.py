@@ -16,6 +16,7 @@ from parisph.case.probes import Gauge, Probe, singles
 from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import states, style
+from parisph.truth.recorded import own_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -158,8 +159,7 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
         probes = {probe.name: probe for probe in run.scene.probes}
         for name in (run.probe_names if names is None else names):
             table, units = run.probe(name), run.units(name)
-            columns = [column for column in table.dtype.names if column not in ("time", "step")
-                       and table[column].dtype.kind == "f"]
+            columns = [column for column in own_columns(table) if table[column].dtype.kind == "f"]
             several = len(columns) > 1
             probe = probes.get(name, Probe)
             if not run.scene.same_force_everywhere:

@@ -15,7 +15,7 @@ from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
-from parisph.pictures.view import FieldView, Look
+from parisph.pictures.view import FieldView, Look, spread
 
 if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
@@ -48,10 +48,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     run = run if isinstance(run, Run) else open_run(run)
     figure, path = style.drawing(), Path(path)
     _check_ending(path)
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
+    some = spread(run, SAMPLE)
     pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
-    some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
     view = FieldView(run.scene, some, Look(field, **look))
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")

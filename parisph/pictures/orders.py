@@ -14,6 +14,7 @@ from parisph.io.layout import PEAKS
 from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
 from parisph.truth.comparison import Comparison
+from parisph.truth.recorded import own_columns
 
 ROUNDED = 1e-9  # relative difference by rounding of a greatest value in a file
 LONGEST = 100   # characters of a file name that is made of names of probes
@@ -41,7 +42,8 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
     look = {name: value for name, value in look.items() if value is not None}
     flow = time is not None or peak is not None or "field" in look
     if len(runs) > 1:
-        _check_probes_only(flow or look)
+        if flow or look:
+            raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
         return [_plot_probes(runs, probes, normalise, out)]
     if out is not None and flow and probes:
         raise CaseError("-o names one file, but these are two pictures, of the flow and of probes: "
@@ -97,16 +99,11 @@ def peak_of(run: Run, probe: str) -> tuple[float, float]:
     Raises CaseError, StoreError.
     """
     series = run.probe(probe)
-    column = next(name for name in series.dtype.names if name not in ("time", "step"))
+    column = own_columns(series)[0]
     if not np.any(np.isfinite(series[column])):
         raise StoreError(f"the probe {probe!r} of {run.folder} has no value to find the peak of")
     line = series[np.nanargmax(series[column])]
     return float(line["time"]), float(line[column])
-
-
-def _check_probes_only(other: object) -> None:
-    if other:
-        raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
 
 
 def _plot_probes(runs: Sequence[Run], probes: Sequence[str] | None, normalise: bool, out: AnyPath | None) -> Path:

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from parisph.base.arrays import Array
-from parisph.base.errors import StoreError
 from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, states, style
-from parisph.pictures.view import FieldView, Look
+from parisph.pictures.view import FieldView, Look, spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,9 +22,7 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
     Parameters and errors as of view.plot_field and curves.plot_probe. The colours cover most values of all moments.
     """
     run = run if isinstance(run, Run) else open_run(run)
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
-    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 4).round())]
+    moments = spread(run, 4)
     panels = [(unit, lines) for (_, unit), lines in curves.by_quantity([run]).items()]
     view = FieldView(run.scene, moments, Look(field, **look))
     columns = min(2, len(moments))
@@ -35,17 +32,16 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
     _draw_moments(flow, view, moments, columns, marked=True)
     _draw_series(series, run, panels)
     picture.suptitle(style.literal(run.scene.title), fontsize=13)
-    _say_state(flow, run)
+    if state := states.state(run):
+        flow.suptitle(style.literal(state, states.LONGEST), fontsize=9, color=style.LINES[1])
     style.save(picture, path)
     return picture
 
 
-def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns: int = 2) -> "Figure":
+def plot_moments(run: Run, path: AnyPath | None = None) -> "Figure":
     """Draw the pressure at moments evenly spread over a run; return the matplotlib Figure. Raises StoreError."""
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
-    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
-    view, columns = FieldView(run.scene, moments, Look()), min(columns, len(moments))
+    moments = spread(run, 6)
+    view, columns = FieldView(run.scene, moments, Look()), min(2, len(moments))
     height = -(-len(moments) // columns) * _height(view, 10.4 / columns)
     picture = style.new_figure(figsize=(11.0, 0.4 + height), layout="constrained")
     _draw_moments(picture, view, moments, columns)
@@ -76,12 +72,6 @@ def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
 def _height(view: FieldView, width: float) -> float:
     (left, right), (low, high) = view.window
     return min(0.8 * width * view.stretch * (high - low) / (right - left) + 0.7, 6.0)
-
-
-def _say_state(picture: "SubFigure", run: Run) -> None:
-    state = states.state(run)
-    if state:
-        picture.suptitle(style.literal(state, states.LONGEST), fontsize=9, color=style.LINES[1])
 
 
 def _draw_moments(flow: "FigureBase", view: FieldView, moments: Sequence[Mapping[str, Any]], columns: int,

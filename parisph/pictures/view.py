@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from parisph.geometry.build import domain
 from parisph.geometry.solid import solid_of
 from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
+from parisph.io.views import Snapshot
 from parisph.pictures import style, window
 from parisph.pictures.bodies_view import draw_bodies, draw_marks
 from parisph.pictures.frames import TANK, PictureFrame
@@ -100,6 +102,13 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
     return picture
 
 
+def spread(run: Run, count: int) -> list[Snapshot]:
+    """Return at most `count` snapshots, evenly spread over a run. Raises StoreError for one without any."""
+    if len(run) == 0:
+        raise StoreError(f"{run.folder} has no snapshots")
+    return [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
+
+
 class FieldView:
     """Draws snapshots of one run, with common scales, walls, colours and window."""
 
@@ -163,7 +172,7 @@ class FieldView:
             raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
                              "Output.fields)")
         values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
-        return values * self._factor()
+        return values * self._scale[0]
 
     def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
         """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
@@ -204,7 +213,7 @@ class FieldView:
         beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, Sequence)
                   else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
         bar = picture.colorbar(discs, extend=extend, **beside)
-        bar.set_label(self._label())
+        bar.set_label(self._scale[1])
         bar.ax.spines["outline"].set_linewidth(0.5)
 
     def _shown_values(self, snapshots: Sequence[Mapping[str, Any]]) -> Floats:
@@ -218,23 +227,19 @@ class FieldView:
             found.append(values[shown & inside & np.isfinite(values)])
         return np.concatenate(found)
 
-    def _factor(self) -> float:
+    @cached_property
+    def _scale(self) -> tuple[float, str]:
+        """The factor of values in the picture's unit, and the label of the colour bar."""
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
         if self.look.normalise and scale:
-            return 1.0 / float(scale)
-        return style.with_prefix(scale or 0.0, self.quantity.unit)[0]
-
-    def _label(self) -> str:
-        if self.look.normalise and self.quantity.scale:
             by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
-            return rf"{self.quantity.symbol}$\,/\,{by}$"
-        scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else 0.0
-        unit = style.with_prefix(scale or 0.0, self.quantity.unit)[1]
-        return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
+            return 1.0 / float(scale), rf"{self.quantity.symbol}$\,/\,{by}$"
+        factor, unit = style.with_prefix(scale or 0.0, self.quantity.unit)
+        return factor, f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
-        box, spacing = self._walls_box(), self.scene.numerics.spacing
+        box, spacing = domain(self.scene) if self.scene.wall_bounds is not None else None, self.scene.numerics.spacing
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
         times = np.array([snapshot["time"] for snapshot in snapshots])
@@ -256,10 +261,6 @@ class FieldView:
         if not self.scene.lidded and high <= low + 0.7 * (top - low):
             top = min(top, low + 1.2 * (high - low))
         return np.array([(left, low), (right, low), (right, top), (left, top)])
-
-    def _walls_box(self) -> window.Box | None:
-        """Return the lower and upper corner [m] of the box around all walls, None without any."""
-        return None if self.scene.wall_bounds is None else domain(self.scene)
 
     def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
         """Return the wet wall particles, which have a pressure and fill the gap to the wall of s/2."""

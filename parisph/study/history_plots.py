@@ -16,6 +16,7 @@ from parisph.pictures import curves, style
 from parisph.study import report
 from parisph.study.plan import Plan
 from parisph.study.results import Result
+from parisph.truth.recorded import own_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,7 +115,7 @@ def _key(one: Result, sort: str | None) -> str:
 
 
 def _column(run: Run, probe: str) -> str:
-    names = [name for name in run.probe(probe).dtype.names or () if name not in ("time", "step")]
+    names = own_columns(run.probe(probe))
     judged = next((one.judged for one in run.scene.probes if one.name == probe), "")
     return judged if judged in names else names[0]
 

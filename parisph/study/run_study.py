@@ -13,6 +13,7 @@ RUN is made of method, spacing, time step, seed, ranks and a digest of the case 
 version of parisph never replaces a run. Nothing is removed.
 """
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -145,7 +146,7 @@ class _Progress:
             print(text, file=sys.stderr, flush=True)
 
     def cores(self, todo: Sequence[PlannedRun], jobs: int) -> None:
-        ranks, cores = runs.ranks_at_once(todo, jobs)
+        ranks, cores = sum(sorted((run.ranks for run in todo), reverse=True)[:jobs]), os.cpu_count() or 1
         if ranks > cores:
             self.say(f"warning: {ranks} ranks at once on {cores} cores: times on the clock will be too long")
 

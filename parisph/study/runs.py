@@ -1,7 +1,6 @@
 """Make the runs of a study, several at once. A finished run is not made again."""
 
 import json
-import os
 import tempfile
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -79,8 +78,9 @@ def compile_kernels(runs: Sequence[PlannedRun]) -> None:
         coarsest.setdefault((run.method, run.case.numerics.preset, run.ranks), run)
     with tempfile.TemporaryDirectory(prefix="parisph-study-") as place:
         for number, run in enumerate(coarsest.values()):
-            case = Path(place) / f"{number}.json"
-            case.write_text(run.case.changed(end_time=_first_step(run)).model_dump_json(), encoding="utf-8")
+            case, numerics, end = Path(place) / f"{number}.json", run.case.numerics, run.case.end_time
+            step = min(numerics.time_step or numerics.max_time_step or FIRST_STEP * end, end)
+            case.write_text(run.case.changed(end_time=step).model_dump_json(), encoding="utf-8")
             words = ["run", str(case), "-q", "-o", f"{place}/{number}"]
             process = processes.Process(processes.command(words, run.ranks), Path(place) / "output.txt")
             try:
@@ -88,11 +88,6 @@ def compile_kernels(runs: Sequence[PlannedRun]) -> None:
                     time.sleep(processes.PAUSE)
             finally:
                 processes.stop([process])
-
-
-def _first_step(run: PlannedRun) -> float:
-    numerics, end = run.case.numerics, run.case.end_time
-    return min(numerics.time_step or numerics.max_time_step or FIRST_STEP * end, end)
 
 
 def make(runs: Sequence[PlannedRun], plan: Plan, jobs: int = 1,
@@ -167,8 +162,3 @@ def _reason(run: PlannedRun, plan: Plan, code: int) -> str:
 
 def _one_line(words: str) -> str:
     return clipped(plain(" ".join(words.split())), 120)
-
-
-def ranks_at_once(runs: Sequence[PlannedRun], jobs: int) -> tuple[int, int]:
-    """Return the largest number of ranks that run at once, and the number of cores of this machine."""
-    return sum(sorted((run.ranks for run in runs), reverse=True)[:jobs]), os.cpu_count() or 1

@@ -12,7 +12,7 @@ from parisph.base.table import LARGEST, read_reference
 from parisph.base.table import names as columns_of
 from parisph.base.text import named, shown
 from parisph.truth import norms
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, own_columns
 
 EDGE = 0.99     # of the largest shift that is tried, from which on the best one is at the limit
 APART = 3.0     # standard deviations between the means of run and reference, from which on a note says so
@@ -60,8 +60,7 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
-    column = _only(column, [name for name in found.dtype.names or () if name not in ("time", "step")],
-                   f"{probe} has the columns", "--column")
+    column = _only(column, own_columns(found), f"{probe} has the columns", "--column")
     time, value = _columns(reference, columns_of(reference), time, value, column)
     t, truth = read_reference(reference, time, value, offset, scale, time_scale)
     try:

@@ -57,9 +57,10 @@ class ProbeScene:
     def of(cls, case: Case) -> "ProbeScene":
         """Return the ProbeScene of a Case."""
         s, mesh = case.numerics.spacing, build.scene_mesh(case)
+        gravity = None if case.turns else expressions.uniform_field(case.gravity)
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
-        return cls(case.dim, s, build.lattice_step(case), case.density,
-                   *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
+        return cls(case.dim, s, build.fillings(case)[0].step, case.density, *build.domain(case), case.tank is not None,
+                   np.zeros(case.dim) if gravity is None else gravity, case.lidded,
                    None if mesh is None else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
@@ -84,12 +85,6 @@ class ProbeScene:
             return ()
         moved = self.now.motion_of(number).placed(np.array([(side, 0.0) for side in self.sides]), time)
         return tuple(float(x) for x in moved[:, 0])
-
-
-def _uniform(case: Case) -> Floats:
-    """Return the body force (dim,) [m/s2] if it is uniform and constant, else zeros (no potential)."""
-    found = None if case.turns else expressions.uniform_field(case.gravity)
-    return np.zeros(case.dim) if found is None else found
 
 
 class View:
