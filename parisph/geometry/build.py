@@ -54,14 +54,9 @@ def scene_motions(case: Scene) -> tuple[Motion, ...]:
 def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     """Build this rank's slice of the particles at the start.
 
-    Parameters
-    ----------
-    case : Case
     rank, size : which slice of how many; the particles do not depend on `size`
 
-    Returns
-    -------
-    dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8; x [m], u [m/s],
+    Returns arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8; x [m], u [m/s],
     normal (n, dim); volume (n,) [m^dim], of fluid the cell of its lattice, of walls 0 (see `weighed`); p (n,) [Pa], of
     weakly compressible fluid that of still water, else 0 until the first solve; swirl (n,) [1/s]; start_role as role;
     no_slip (n,) int8; wall_u (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised
@@ -71,9 +66,7 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     s^(dim-1); area (n, dim), of a node its vector area over s^(dim-1), of fluid 0; edge (n,) int8 (geometry.mesh); body
     (n,) int16, of a node the number of its body in the mesh, of fluid -1.
 
-    Raises
-    ------
-    CaseError : there is no fluid
+    Raises CaseError if there is no fluid.
     """
     mesh, fills = scene_mesh(case), fillings(case)
     n_fluid, n_wall = sum(fill.count for fill in fills), 0 if mesh is None else len(mesh.x0)

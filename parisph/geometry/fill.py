@@ -44,18 +44,12 @@ def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]]
 class Filling:
     """The points origin + step * index that one body of fluid fills.
 
-    Parameters
-    ----------
-    shape : Box, Disc, Polygon or StillWater
     walls : all bodies of the scene, where they are at the start, in front of which the fluid is
-    spacing : [m]
-    holes : shapes without fluid inside this one
+    spacing : [m]; holes : shapes without fluid inside this one
     others : other fluid, from which this keeps half a spacing: shapes, and the holes of each; see `taken`
     rise : None, or a function of x (n,) [m] that gives the elevation (n,) [m] of the surface of still water. Its
         columns are moved up with it, not stretched: so the fluid is as dense everywhere.
 
-    Attributes
-    ----------
     origin, step : (2,) [m]; still water hangs from its level, other shapes begin where those of case.lattice do
     count : number of points
     even : whether they lie on the lattice of the tank, which is the only wall, or there is no wall

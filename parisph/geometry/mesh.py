@@ -89,9 +89,7 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
     walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies that move alike are joined where they touch.
 
-    Raises
-    ------
-    CaseError : two bodies leave nothing of one another that touches fluid
+    Raises CaseError where two bodies leave nothing of one another that touches fluid.
 
     The mesh of the same walls is made once: nobody may change its arrays.
     """

@@ -29,11 +29,8 @@ class Run:
     """A finished or running run, read from its folder. Made by `open_run`. Every method raises
     StoreError for files that cannot be read, and CaseError for an unknown probe.
 
-    folder : pathlib.Path
-    case : dict, the resolved case as in case.json; scene : the same as a Case, only to be looked at
-    identity : str, the identity of the run, which is in all its files
-    times : (n,) times [s] of the snapshots
-    probe_names : list of str
+    case : the resolved case as in case.json; scene : the same as a Case, only to be looked at
+    identity : of the run, which is in all its files; times : (n,) [s], of the snapshots
     """
 
     def __init__(self, folder: AnyPath) -> None:

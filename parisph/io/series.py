@@ -26,9 +26,8 @@ OF_RUN_LINE = f"# {OF_RUN}"
 class SeriesFile:
     """A CSV file that grows line by line. One rank only; every method raises OSError.
 
-    path : pathlib.Path
-    columns : dict of column name -> unit ("" for none); `time` and `step` are added in front
-    title : str, one line of description
+    columns : {name: unit, "" for none}; `time` and `step` are added in front
+    title : one line of description
     keep_to : None to start a new file, or the last step whose lines are kept (restart)
     run : identity of the run that writes it, or ""
     until : of the lines up to `keep_to`, those of later times [s] are not kept either

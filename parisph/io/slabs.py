@@ -35,10 +35,9 @@ METADATA = 1 << 20  # bytes for what HDF5 adds to the rows and to what `decorate
 class Slab:
     """The rows of one dataset that this rank owns.
 
-    path : name of the dataset in the file
-    data : (n, ...) this rank's rows
+    path : name of the dataset in the file; data : (n, ...) this rank's rows
     start, total : first row of this rank, and number of rows on all ranks
-    attributes : dict of the dataset's attributes (rank 0's are written)
+    attributes : of the dataset (rank 0's are written)
     """
 
     path: str
@@ -51,9 +50,8 @@ class Slab:
 def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> None:
     """Write one HDF5 file from the rows of all ranks, with its digest, and publish it under its name. Collective.
 
-    path : pathlib.Path of the file
-    slabs : list of Slab, the same paths, types and totals on every rank
-    decorate : function of the open h5py.File, run on rank 0: groups, attributes, small datasets
+    slabs : the same paths, types and totals on every rank
+    decorate : writes groups, attributes and small datasets to the open file, on rank 0
 
     Raises StoreError on every rank; an existing file of that name is then unchanged.
     """

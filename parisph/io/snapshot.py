@@ -59,11 +59,9 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
           attributes: Mapping[str, str | float]) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
-    path : pathlib.Path
-    particles : Particles (owned rows are written)
     time [s], step : of the particles
     fields : names in the field registry; id, kind and role are always written
-    attributes : dict of str, int or float for the root of the file
+    attributes : of the root of the file
 
     Raises StoreError on every rank, for an unknown field or a failing disk.
     """

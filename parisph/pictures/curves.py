@@ -46,7 +46,7 @@ MARKS = 60      # samples of a reference, beyond which it is a line
 class Curve:
     """One line of a picture: a column of a probe of a run.
 
-    run : Run; label : name of the run if there are several
+    label : name of the run if there are several
     probe, column : names; column is "" if the probe has only one
     time, values : (n,) arrays [s], [the unit of the panel]
     """
@@ -66,8 +66,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
 
     Several runs are drawn over each other, with labels of what differs between their cases (run_labels).
 
-    runs : Run, or the folder of one, or a list of these
-    names : of probes, or one name; all if None
+    runs : or their folders; names : of probes, or one name; all if None
     path : file to write (.png, .pdf, ...), or None
     truth : {probe: (time [s], value)} in the probe's unit, drawn in black
     normalise : divide time by sqrt(H/g), pressures by rho g H and lengths by H of each run

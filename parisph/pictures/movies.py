@@ -33,8 +33,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
 
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
-    run : Run, or the folder of one
-    path : file to write
+    run : or its folder; path : file to write
     field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
         frames, and a short impact saturates
     fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once

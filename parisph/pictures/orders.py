@@ -26,12 +26,11 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
 
     For one run without time, peak, field and probes: the whole run on one page.
 
-    runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot, with a warning on standard error for a time outside the run; the last
         snapshot if only `field` is given
     peak : name of a probe, in place of `time`: the flow when its first column is greatest, as the run has kept it
         (Run.peak), else at the nearest snapshot, with a note on standard error
-    probes : list of probe names: their series in one picture
+    probes : names of those whose series are drawn in one picture
     out : file to write; None: files in the folder of the (first) run, named after what they show
     normalise, look : see view.Look; None for a default
 

@@ -32,10 +32,8 @@ if TYPE_CHECKING:
 class PlottedQuantity:
     """A quantity that pictures can show.
 
-    needs : name in the field registry
-    of : function of that array (n, ...) -> (n,)
-    symbol, unit : for the colour bar
-    colours : name of a matplotlib colour map
+    needs : field in the registry; of : function of its array (n, ...) -> (n,)
+    symbol, unit : for the colour bar; colours : name of a matplotlib colour map
     scale : the one of SceneUnits that makes it dimensionless, "" for none
     centre : in the middle of a diverging colour map, else None
     """

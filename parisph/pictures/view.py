@@ -82,11 +82,10 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
     The colours end at the greatest value in the picture, of the fluid or of a wet wall.
 
-    run : Run, or the folder of one
+    run : or its folder
     which : number of the snapshot (int, negative from the end), time [s] of the nearest one (float), or a snapshot
         (dict, as from Run.snapshot and Run.peak)
-    field : see Look, also for further keywords
-    path : file to write (.png, .pdf, ...), or None
+    field : see Look, also for further keywords; path : file to write (.png, .pdf, ...), or None
 
     Raises:
     CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window

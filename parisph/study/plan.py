@@ -34,7 +34,7 @@ LINE = 300    # characters of a line of a message
 class PlannedRun(Combination):
     """A run of a study, with its case.
 
-    case : Case; stored : its JSON text, which is what runs
+    stored : JSON text of its case, which is what runs
     key : digest of the case, the ranks and parisph's own code: a finished run with the same key is not made again
     parts : Python files that register parts of methods, which the run needs
     """

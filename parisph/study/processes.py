@@ -41,7 +41,7 @@ def surroundings() -> dict[str, str]:
 class Process:
     """A run in the background. It has its own session: Ctrl-C reaches only the study.
 
-    command : list of str; output : file that receives what it prints
+    output : file that receives what it prints
 
     code : exit code, or None while it runs; seconds : time on the clock so far
     stopped : whether `ask` or `kill` has ended it

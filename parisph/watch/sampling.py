@@ -136,10 +136,8 @@ class View:
 class Sampler:
     """One probe of a run, or an array of them, with the columns of all.
 
-    name, title : str
-    columns : dict of column name -> unit
-    ghosts : fields of the ghosts that must be up to date
-    measure : Measure, what gives its values
+    columns : {name: unit}; ghosts : fields of the ghosts that must be up to date
+    measure : what gives its values
     of_pressure : whether its values are those of the pressure alone, and so of the time for which that was solved; they
         are linear in it, and means in time in a run (watch.means)
     acted : names of columns with the pressure that acts in a step, also where others are means in time: all columns
