@@ -263,7 +263,7 @@ def _run(command: Sequence[str]) -> Answer:
     """Run a command in an empty folder; return the JSON of its last line. Raises ParisphError."""
     with tempfile.TemporaryDirectory(prefix="parisph-doctor-") as folder:
         try:
-            done = launch.run(command, LIMIT, _child_environment(), cwd=folder)
+            done = launch.run(command, LIMIT, environment.for_own(), cwd=folder)
         except subprocess.TimeoutExpired:
             raise ParisphError(f"no answer within {LIMIT:.0f} s") from None
     lines = done.stdout.strip().splitlines()
@@ -272,14 +272,6 @@ def _run(command: Sequence[str]) -> Answer:
     except (IndexError, ValueError):
         raise ParisphError(_cause(done)) from None
     return answer
-
-
-def _child_environment() -> dict[str, str]:
-    """Return the environment of a child process that imports this parisph, installed or not."""
-    variables = environment.for_launching()
-    here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    variables["PYTHONPATH"] = os.pathsep.join(filter(None, [here, variables.get("PYTHONPATH")]))
-    return variables
 
 
 def _cause(done: subprocess.CompletedProcess[str]) -> str:

@@ -39,14 +39,11 @@ def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats,
     Of elements that are equally near, as those that join at a node, the one that the point faces most squarely is
     taken.
     """
-    n, dim = x.shape
-    distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
     if len(corners) == 0:
-        return distance, element, foot
+        return np.full(len(x), np.inf), np.full(len(x), -1), np.full(x.shape, np.nan)
     tree = _Tree(corners)
-    for low in range(0, n, CHUNK):
-        part = slice(low, low + CHUNK)
-        distance[part], element[part], foot[part] = _nearest(x[part], corners, tree, within)
+    parts = [_nearest(x[low:low + CHUNK], corners, tree, within) for low in range(0, max(len(x), 1), CHUNK)]
+    distance, element, foot = (np.concatenate(found) for found in zip(*parts))
     return distance, element, foot
 
 

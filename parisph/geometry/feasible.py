@@ -224,14 +224,11 @@ def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], f
             continue
         for k, body in ((0, chain.body[0]), (-1, chain.body[-1])):
             end = chain.points[k]
-            beside = any(_is_near(fluid, end, spacing) for fluid in fluids) and in_fluid(movers, end[None])[0]
+            near = any(isinstance(fluid, StillWater) or fluid.inside(end[None], 1.5 * spacing)[0] for fluid in fluids)
+            beside = near and in_fluid(movers, end[None])[0]
             if end[1] < top - 1e-6 * spacing and beside:
                 yield (f"{mesh.bodies[body].name}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
                        "top; lead it on above the water, or let it end on another body")
-
-
-def _is_near(fluid: Shape | StillWater, x: Floats, spacing: float) -> bool:
-    return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
 def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,

@@ -116,8 +116,9 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     for met in _met(walls, case):
         if met.distance == 0.0:
             one, other = walls[met.one], walls[met.other]
+            moves = type(one.motion).__name__
             unit = "rad" if isinstance(one.motion, Rotation) else "m"
-            yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
+            yield (f"walls, {one.name}: its {moves} brings it to {other.name} at t = {met.time:.3g} s, at "
                    f"({met.at[0]:.3g}, {met.at[1]:.3g}), {abs(met.value):.3g} {unit} from where it starts; must stay "
                    f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or let both move "
                    "alike")
@@ -152,7 +153,8 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     for met in _met(walls, case):
         if 0.0 < met.distance < feasible.GAP * s:
             one, other = walls[met.one], walls[met.other]
-            yield (f"walls, {one.name}: its {_moves(one)} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
+            moves = type(one.motion).__name__
+            yield (f"walls, {one.name}: its {moves} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
                    f" between it and {other.name} at t = {met.time:.3g} s, at ({met.at[0]:.3g}, {met.at[1]:.3g}): flow "
                    f"through it needs {feasible.GAP:g}; move less far, or use a spacing of at most "
                    f"{rounded_down(met.distance / feasible.GAP)}")
@@ -160,10 +162,6 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
 
 def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
     return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
-
-
-def _moves(wall: Wall) -> str:
-    return type(wall.motion).__name__
 
 
 def _few(case: Case) -> Iterator[str]:

@@ -11,18 +11,11 @@ from parisph.base.arrays import Flags, Floats
 MOST_SAMPLES = 10_000    # of a series that is sampled evenly
 
 
-def relative_l2(value: Floats, truth: Floats) -> float:
-    """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
+def relative_l2(value: Floats, truth: Floats, rest: float = 0.0) -> float:
+    """Return |value - truth| / |truth - rest| in the discrete L2 norm; both (n,), any unit.
 
     Z14 uses it for pressures (Er_p, Sec. 3.1.2) and for elevations above the bed (Er_eta, Sec. 3.2.1).
-    """
-    return wave_relative_l2(value, truth, 0.0)
-
-
-def wave_relative_l2(value: Floats, truth: Floats, rest: float) -> float:
-    """Return |value - truth| / |truth - rest|: the error relative to the wave itself.
-
-    rest : level of the water at rest, in the unit of the series.
+    rest : level of the water at rest, in the unit of the series: the error is then relative to the wave itself
     """
     value, truth = _pair(value, truth)
     size = np.linalg.norm(truth - rest)
@@ -111,7 +104,7 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
     """
     t, found, truth = on_reference(time, value, reference_time, reference, shift)
     return {
-        "relative_l2": wave_relative_l2(found, truth, 0.0 if rest is None else rest),
+        "relative_l2": relative_l2(found, truth, 0.0 if rest is None else rest),
         "z14": relative_l2(found, truth), "samples": len(t), "start": float(t[0]), "end": float(t[-1]),
     }
 

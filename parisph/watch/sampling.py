@@ -33,11 +33,10 @@ if TYPE_CHECKING:    # a case is described without MPI and numba
 class ProbeScene:
     """The data of a case that samplers need.
 
-    spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
-    the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
-    zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above;
-    now : the walls and where they are, None without walls; sides : x of both
-    sides of the first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
+    spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of the tank, or of the
+    fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
+    constant in the tank's frame; now : the walls and where they are, None without walls; sides : x of both sides of the
+    first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
     dim: int
@@ -48,7 +47,6 @@ class ProbeScene:
     upper: Floats
     tank: bool
     gravity: Floats
-    lid: bool = False
     now: WallsNow | None = None
     sides: tuple[float, ...] = ()
     kinds: Mapping[str, str] = field(default_factory=dict)
@@ -60,7 +58,7 @@ class ProbeScene:
         gravity = None if case.turns else expressions.uniform_field(case.gravity)
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.fillings(case)[0].step, case.density, *build.domain(case), case.tank is not None,
-                   np.zeros(case.dim) if gravity is None else gravity, case.lidded,
+                   np.zeros(case.dim) if gravity is None else gravity,
                    None if mesh is None else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
