@@ -177,7 +177,7 @@ def elements_near(x, corners, radius, spacing, normal=None):
     kind = np.full(len(x), FLUID, np.int8)
     normal = np.zeros_like(x) if normal is None else normal
     none = np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    return seen_elements(cloud_of(x, kind, kind, normal, *none, spacing), walls, radius)
+    return seen_elements(cloud_of(x, kind, kind, normal, *none, spacing), walls, radius)[0]
 
 
 class Rows:
@@ -189,7 +189,8 @@ class Rows:
         self.matrix = records.Rows(np.zeros(pool.n, np.int32), np.full(nnz, -1, np.int32), np.full(nnz, np.nan),
                                    np.full(pool.n, np.nan))
         self.count, self.columns, self.values, self.measure = self.matrix
-        self.flux = records.Flux(self.count, self.columns, np.full((nnz, pool.dim), np.nan), np.full(pool.n, np.nan))
+        self.flux = records.DivergenceRows(self.count, self.columns, np.full((nnz, pool.dim), np.nan),
+                                           np.full(pool.n, np.nan))
         self.div = self.flux.div
 
     def entries(self, i):

@@ -29,7 +29,7 @@ FLAT, CONCAVE, CONVEX = 0, 1, 2    # values of `edge`
 
 
 @dataclass(frozen=True)
-class Body:
+class MeshBody:
     """One body of a mesh: its name, the number of its motion (0 rests in the tank's frame), and its slip."""
 
     name: str
@@ -47,7 +47,7 @@ class WallMesh:
     body : (N,) int; edge : (N,) int8, FLAT, CONCAVE, or CONVEX, which carries no row
     elements : (M, dim) int, nodes; in 2D the fluid is on the left of the way from the first to the second, in 3D on the
         side from which they are in anticlockwise order
-    element_body : (M,) int; bodies : Body number 0, 1, ...
+    element_body : (M,) int; bodies : MeshBody number 0, 1, ...
     """
 
     x0: Floats
@@ -59,7 +59,7 @@ class WallMesh:
     edge: Array
     elements: Array
     element_body: Array
-    bodies: tuple[Body, ...] = field(default=())
+    bodies: tuple[MeshBody, ...] = field(default=())
 
     @property
     def dim(self) -> int:
@@ -98,7 +98,7 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
 @lru_cache(maxsize=4)
 def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
-    bodies = tuple(Body(name, number, _slip(wall))
+    bodies = tuple(MeshBody(name, number, _slip(wall))
                    for name, number, wall in zip(body_names(walls), motion_numbers(walls), walls))
     chains = chains_of(walls, spacing)
     if not chains:
@@ -288,7 +288,7 @@ def places_along(way: Floats, reach: Floats, along: Floats) -> Floats:
     return np.stack([np.interp(along, reach, column) for column in way.T], axis=1)
 
 
-def _together(meshes: Sequence[WallMesh], bodies: tuple[Body, ...]) -> WallMesh:
+def _together(meshes: Sequence[WallMesh], bodies: tuple[MeshBody, ...]) -> WallMesh:
     """Return meshes as one."""
     joint = {name: np.concatenate([getattr(mesh, name) for mesh in meshes]) for name in vars(meshes[0])
              if name not in ("elements", "bodies")}

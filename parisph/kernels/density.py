@@ -31,7 +31,7 @@ ORDER = 5         # of the polynomial of the end correction
 GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with the weights 8/9 and 5/9
 
 
-class Table(NamedTuple):
+class KernelTable(NamedTuple):
     """Tabulated integrals of a kernel.
 
     values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps: F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r)
@@ -44,8 +44,8 @@ class Table(NamedTuple):
     full: float
 
 
-def table(spacing: float, h: float, dim: int) -> Table:
-    """Return the Table of the cubic spline. Takes some milliseconds."""
+def table(spacing: float, h: float, dim: int) -> KernelTable:
+    """Return the KernelTable of the cubic spline. Takes some milliseconds."""
     full = lattice_sum(spacing, h, axes_of(dim))
     r = np.linspace(0.0, 2.0 * h, ENTRIES)
     w, slope = _kernel(r, h, dim)
@@ -60,7 +60,7 @@ def table(spacing: float, h: float, dim: int) -> Table:
     values = np.zeros((ENTRIES + 2, 4))
     values[:ENTRIES] = np.stack([beyond, b, by_r, pull], axis=1)
     values[ENTRIES - 1 :] = 0.0
-    return Table(values, h, full)
+    return KernelTable(values, h, full)
 
 
 def _kernel(r, h, dim):
@@ -153,7 +153,7 @@ def _entry(table, column, r):
 
 @kernel
 def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
-                      area: np.ndarray, table: Table) -> None:
+                      area: np.ndarray, table: KernelTable) -> None:
     """Write the kernel sum at owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
     ratio : (n_owned,), 1 at walls; gradient : (n_owned, dim) [1/m], 0 at walls; outputs
@@ -313,7 +313,7 @@ def _solid_angle(i, x, e, corners):
 
 @kernel
 def node_sums(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
-              area: np.ndarray, share: np.ndarray, table: Table) -> None:
+              area: np.ndarray, share: np.ndarray, table: KernelTable) -> None:
     """Write the contribution to `completed_density` of half cells at nodes that no fluid represents.
 
     Where fluid has come to a wall, its first particles are half a spacing from it, and no node lies between. The sum is

@@ -13,11 +13,11 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import Form, fill_up, gather_within, room_for
 from parisph.kernels.rankine import COVERED, CURVED, UNSOUND
-from parisph.kernels.records import Cloud, Flux
+from parisph.kernels.records import Cloud, DivergenceRows
 
 
 @kernel
-def flux_rows(flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle) -> None:
+def flux_rows(flux: DivergenceRows, cloud: Cloud, u: np.ndarray, circle: Circle) -> None:
     """Fill the flux stencils of inner particles, as in `rankine.rankine_rows`, and the flux divergence of u.
 
     The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan 2014,
@@ -58,7 +58,7 @@ def _surrounded(mean, basis, m, circle, points):
 
 
 @kernel
-def least_squares_flux(flux: Flux, cloud: Cloud, u: np.ndarray, form: Form) -> None:
+def least_squares_flux(flux: DivergenceRows, cloud: Cloud, u: np.ndarray, form: Form) -> None:
     """Fill the divergence stencils of inner particles from the first-order least-squares gradient.
 
     This is the nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u (n_all, dim)

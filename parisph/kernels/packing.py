@@ -10,7 +10,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import nearest_points
-from parisph.kernels.density import Table, completed_density
+from parisph.kernels.density import KernelTable, completed_density
 from parisph.kernels.jit import kernel
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
@@ -25,7 +25,7 @@ LEVEL = 2.1       # tuned 1.05 to 4.2: distance from the surface within which mo
 FLAT = 0.5        # tuned 0.25 to 1: rise of the surface within LEVEL above which particles rest; judged
 
 
-def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: Table) -> np.ndarray:
+def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: KernelTable) -> np.ndarray:
     """Return the move (n_owned, dim) [m] of the inner fluid in one of STEPS steps.
 
     It is a shift down the gradient of the completed density. Particles of other roles stay, and so does a lattice in

@@ -22,7 +22,7 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
-from parisph.kernels.records import Cloud, Flux, Rows
+from parisph.kernels.records import Cloud, DivergenceRows, Rows
 from parisph.kernels.smoothing import quartic_weight
 
 # A jitter of 1.2 spacings gives -0.03. Making the row of a particle in a drop isotropic can give any value.
@@ -53,7 +53,8 @@ def directions(dim: int, count: int | None = None) -> np.ndarray:
 
 
 @kernel
-def rankine_rows(rows: Rows, flux: Flux, cloud: Cloud, u: np.ndarray, circle: Circle, normalised: bool) -> None:
+def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, circle: Circle,
+                 normalised: bool) -> None:
     """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
     A row with too few neighbours becomes their mean, with measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as
@@ -174,7 +175,7 @@ def _store_mean(rows, flux, i, cloud):
 
 
 @kernel
-def divergence(out: np.ndarray, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+def divergence(out: np.ndarray, flux: DivergenceRows, cloud: Cloud, u: np.ndarray) -> None:
     """Write the divergence of u (n_all, dim) by the stored stencils, (n_owned,) [1/s], 0 outside inner particles."""
     count, columns, stencil, _ = flux
     indptr, axes = cloud.indptr, cloud.axes
@@ -205,7 +206,7 @@ class Invariants(NamedTuple):
 
 
 @kernel
-def gradient_invariants(out: Invariants, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+def gradient_invariants(out: Invariants, flux: DivergenceRows, cloud: Cloud, u: np.ndarray) -> None:
     """Write the invariants of the gradient of u (n_all, dim) [m/s] by the stored stencils.
 
     (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u.

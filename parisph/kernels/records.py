@@ -66,7 +66,7 @@ class Rows(NamedTuple):
     measure: np.ndarray
 
 
-class Flux(NamedTuple):
+class DivergenceRows(NamedTuple):
     """Buffers of the stencils of a divergence at inner particles: div u_I = sum_J flux_J . (u_J - u_I).
 
     Stencil I starts at indptr[I] of the neighbour lists.

@@ -33,13 +33,15 @@ def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.nd
     return nearby(x, middle, radius + size)
 
 
-def seen_elements(cloud: Cloud, walls: Walls, radius: float) -> Walls:
+def seen_elements(cloud: Cloud, walls: Walls, radius: float) -> tuple[Walls, bool]:
     """Return the walls with lists of the elements within the radius [m] that are not hidden by others.
 
     walls : with the lists of `near_lists`
+    The second is whether nothing is hidden, as in a tank: `is_open`.
     """
-    indptr, indices = np.empty_like(walls.indptr), np.empty_like(walls.indices)
-    return walls._replace(indptr=indptr, indices=indices[:keep_unhidden(indptr, indices, cloud, walls, radius)])
+    indptr, indices, free = np.empty_like(walls.indptr), np.empty_like(walls.indices), is_open(cloud, walls)
+    return walls._replace(indptr=indptr, indices=indices[:keep_unhidden(indptr, indices, cloud, walls, radius,
+                                                                         free)]), free
 
 
 def seen_neighbours(cloud: Cloud, walls: Walls) -> tuple[np.ndarray, np.ndarray]:
@@ -72,7 +74,7 @@ def keep_visible(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: W
                 n += 1
         else:
             _lifted(p, i, cloud, lift)
-            planes = _planes(plane, q, first, last, walls, lift, axes)
+            planes = _planes(plane, q, first, last, walls.indices, walls.corners, lift, axes)
             simple = _before(p, plane, planes, lift, axes)
             for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
                 j = cloud.indices[k]
@@ -94,15 +96,15 @@ def _lifted(p, i, cloud, lift):
 
 
 @inlined
-def _planes(plane, n, first, last, walls, lift, axes):
+def _planes(plane, n, first, last, listed, corners, lift, axes):
     """Write normals and offsets of the planes of listed elements; return their number, -1 if too many."""
     dim, found = len(axes), 0
     for k in range(first, last):
-        e = walls.indices[k]
-        element_normal(n, e, walls.corners, axes)
+        e = listed[k]
+        element_normal(n, e, corners, axes)
         offset = 0.0
         for a in range(dim):
-            offset += n[a] * walls.corners[e, 0, a]
+            offset += n[a] * corners[e, 0, a]
         known = False
         for m in range(found):
             cosine = 0.0
@@ -131,6 +133,36 @@ def _before(p, plane, planes, lift, axes):
     return before
 
 
+@inlined
+def _lifted_centroid(q, n, e, corners, lift, axes):
+    """Write the normal of element e, and the place that is the lift [m] in front of its centroid."""
+    element_normal(n, e, corners, axes)
+    for a in range(len(axes)):
+        q[a] = lift * n[a]
+        for c in range(len(axes)):
+            q[a] += corners[e, c, a] / len(axes)
+
+
+@kernel
+def is_open(cloud: Cloud, walls: Walls) -> bool:
+    """Return whether all particles and elements are in front of the planes of all elements, so that none hides another.
+
+    It is so for water in a tank, and the places of nodes and elements are lifted off their walls.
+    """
+    axes, lift, count = cloud.axes, LIFT * cloud.spacing, len(walls.corners)
+    q, n, plane = np.empty(len(axes)), np.empty(len(axes)), np.empty((PLANES, len(axes) + 1))
+    planes = _planes(plane, n, 0, count, np.arange(count), walls.corners, lift, axes)
+    for e in range(count):
+        _lifted_centroid(q, n, e, walls.corners, lift, axes)
+        if not _before(q, plane, planes, lift, axes):
+            return False
+    for i in range(len(cloud.kind)):
+        _lifted(q, i, cloud, lift)
+        if not _before(q, plane, planes, lift, axes):
+            return False
+    return True
+
+
 @kernel
 def _middles(middle, corners, axes):
     """Write the centroids of elements; return the greatest distance of a corner from its centroid [m]."""
@@ -149,7 +181,8 @@ def _middles(middle, corners, axes):
 
 
 @kernel
-def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls, radius: float) -> int:
+def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls, radius: float,
+                  nothing_hidden: bool) -> int:
     """Write the visible elements within the radius [m] of owned particles; return their number.
 
     The centroid or the nearest point, lifted off, must be visible: a moving wall hides the part of an element that it
@@ -166,19 +199,16 @@ def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: 
         first, last = walls.indptr[i], walls.indptr[i + 1]
         if first < last:
             _lifted(p, i, cloud, lift)
-            planes = _planes(plane, n, first, last, walls, lift, axes)
+            planes = 0 if nothing_hidden else _planes(plane, n, first, last, walls.indices, walls.corners, lift, axes)
             simple = _before(p, plane, planes, lift, axes)
             for k in range(first, last):
                 e = walls.indices[k]
                 nearest_point(foot, p, e, walls.corners, axes)
                 free = _apart2(foot, p, axes) <= radius * radius
-                if free:
-                    element_normal(n, e, walls.corners, axes)
+                if free and not nothing_hidden:
+                    _lifted_centroid(q, n, e, walls.corners, lift, axes)
                     for a in range(dim):
-                        q[a] = lift * n[a]
                         foot[a] += lift * n[a]
-                        for c in range(dim):
-                            q[a] += walls.corners[e, c, a] / dim
                     if not (simple and _before(q, plane, planes, lift, axes)):
                         free = (_height(p, e, n, walls.corners, axes) <= 0.0
                                 or _is_free(p, q, first, last, k, walls, axes)

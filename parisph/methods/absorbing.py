@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.methods.parts import FORCES, Force
+from parisph.methods.parts import FORCES, ForceTerm
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 
-class Absorption(Force):
+class Absorption(ForceTerm):
     """(u_t - u)/(tau + dt): alone it takes u to (u + dt/tau u_t)/(1 + dt/tau) in a step, without overshoot for any dt.
 
     Gravity is not divided by 1 + dt/tau as the velocity is: pressure balances gravity, not the zone, and otherwise

@@ -37,7 +37,7 @@ from parisph.methods.parts import (
     SURFACES,
     WALL_ROWS,
     Divergence,
-    Force,
+    ForceTerm,
     Gradient,
     Laplacian,
     Part,
@@ -72,7 +72,7 @@ class Parts:
     surface_gradient: Gradient
     surface: Surface
     source: Source
-    forces: tuple[Force, ...]
+    forces: tuple[ForceTerm, ...]
     regularisers: tuple[Regulariser, ...]
 
     @classmethod

@@ -10,13 +10,13 @@ from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetness
 from parisph.kernels.records import Walls
 from parisph.methods import lengths, straining
-from parisph.methods.parts import FORCES, SURFACES, Force
+from parisph.methods.parts import FORCES, SURFACES, ForceTerm
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 
-class Body(Force):
+class GivenForce(ForceTerm):
     """Gravity, and the inertia of a moving tank.
 
     If the divergence of the force varies as a sine, and the force lifts the surface by .17 d, the level of water at
@@ -31,7 +31,7 @@ class Body(Force):
             out[:, axis] += force[:, axis]
 
 
-class Coriolis(Force):
+class Coriolis(ForceTerm):
     """-2 Omega x u in a rotating tank, with the velocity in the middle of the step.
 
     That is u + dt/2 a, with the acceleration a of the last step. It is of second order both for water in free flight,
@@ -56,7 +56,7 @@ class Coriolis(Force):
         out[:, 1] -= 2.0 * spin * p.halfway_all[:, 0]
 
 
-class Viscous(Force):
+class Viscous(ForceTerm):
     """nu lap u by a quadratic fit, exact for quadratic velocities; at walls, its normal part is that of the fluid.
 
     A free surface has no stress: no shear, and the pressure `surface_pressure`. A new surface particle has p = 0 in its
@@ -135,5 +135,5 @@ class MorrisViscous(Viscous):
                        lengths.DENSITY * flow.spacing)
 
 
-for part in (Body(), Coriolis(), Viscous(), MorrisViscous()):
+for part in (GivenForce(), Coriolis(), Viscous(), MorrisViscous()):
     FORCES.register(part)

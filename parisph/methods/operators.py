@@ -26,7 +26,7 @@ from parisph.kernels.circle import Circle
 from parisph.kernels.curvature import Bending
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
-from parisph.kernels.records import Cloud, Flux, Rows
+from parisph.kernels.records import Cloud, DivergenceRows, Rows
 from parisph.methods import lengths
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -76,7 +76,7 @@ class Rankine(Laplacian):
     normalised = True
     circle = lengths.CIRCLE
 
-    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: DivergenceRows, u: Floats) -> None:
         rankine.rankine_rows(rows, flux, cloud, u, _circle(cloud, self.circle, lengths.MLS), self.normalised)
 
 
@@ -89,7 +89,7 @@ class RankinePrinted(Rankine):
 class Sparse(Laplacian):
     """Rows that become the mean of the neighbours where these do not suffice."""
 
-    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: DivergenceRows, u: Floats) -> None:
         self.laplacian(rows, cloud)
         row.mean_rows(rows, cloud)
 
@@ -160,7 +160,7 @@ class FluxDivergence(Divergence):
 
     name, source, reach = "flux", "Z14 Eq 23, right-hand side", lengths.MLS
 
-    def fill(self, flux: Flux, cloud: Cloud, u: Floats) -> None:
+    def fill(self, flux: DivergenceRows, cloud: Cloud, u: Floats) -> None:
         fluxes.flux_rows(flux, cloud, u, _circle(cloud, lengths.CIRCLE, lengths.MLS))
 
 
@@ -244,13 +244,13 @@ class LeastSquares(Gradient):
             _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
 
 
-class Mixed(LeastSquares):
+class MixedGradient(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
     name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
 
 
-class Cubic(Mixed):
+class Cubic(MixedGradient):
     """Least squares by harmonic polynomials of degree 3, with the slopes across walls and the Laplacian as data.
 
     Where neighbours do not suffice, the degree is 2, or the gradient is "mixed". It also applies at the surface if the
@@ -296,7 +296,7 @@ class Nodal(Divergence):
 
     name, source, reach = "nodal", "Z17 Eqs 29-32", lengths.MLS
 
-    def fill(self, flux: Flux, cloud: Cloud, u: Floats) -> None:
+    def fill(self, flux: DivergenceRows, cloud: Cloud, u: Floats) -> None:
         fluxes.least_squares_flux(flux, cloud, u, Form(lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor))
 
 
@@ -365,7 +365,7 @@ class CurvedSurface(HarmonicSurface):
         _bend(out, flow, bending, SURFACE, _form(flow), INFLATION, self.most(flow))
 
 
-class Curved(Mixed):
+class Curved(MixedGradient):
     """The gradient of pressure by a fit with known second differences, exact for quadratics; of other fields "mixed".
     """
 
@@ -395,7 +395,7 @@ for divergence_part in (FluxDivergence(), Nodal()):
     DIVERGENCES.register(divergence_part)
 for walls_part in (SfdiWalls(), HarmonicWalls(), CurvedWalls(), CurvedBreakingWalls()):
     WALL_ROWS.register(walls_part)
-for gradient_part in (Mixed(), Sfdi(), Symmetric(), Spline(), Corrected(), Curved(), Cubic()):
+for gradient_part in (MixedGradient(), Sfdi(), Symmetric(), Spline(), Corrected(), Curved(), Cubic()):
     GRADIENTS.register(gradient_part)
 for surface_part in (Same(), HarmonicSurface(), CurvedSurface()):
     SURFACE_GRADIENTS.register(surface_part)

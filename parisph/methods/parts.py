@@ -14,7 +14,7 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Array, Floats
 from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels.near import Form
-from parisph.kernels.records import Cloud, Flux, Rows
+from parisph.kernels.records import Cloud, DivergenceRows, Rows
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -67,7 +67,7 @@ class Laplacian(Part):
     linear: ClassVar[bool] = True
 
     @abstractmethod
-    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: Floats) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: DivergenceRows, u: Floats) -> None:
         """Write count, columns, values and measure of inner particles. Not collective.
 
         u : (n_all, dim) [m/s], for the flux divergence if it gives one
@@ -78,7 +78,7 @@ class Divergence(Part):
     """Stencils of the divergence: div u_I = sum_J flux_J . (u_J - u_I) at inner particles."""
 
     @abstractmethod
-    def fill(self, flux: Flux, cloud: Cloud, u: Floats) -> None:
+    def fill(self, flux: DivergenceRows, cloud: Cloud, u: Floats) -> None:
         """Write count, columns and flux of inner particles, and div of u (n_all, dim). Not collective."""
 
 
@@ -153,7 +153,7 @@ class Source(Part):
         """Return the wanted lap p at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
 
 
-class Force(Part):
+class ForceTerm(Part):
     """A force per unit mass.
 
     only : word of vocabulary.PHYSICS of the scenes that feel it, or "" for all scenes
@@ -282,5 +282,5 @@ SURFACE_GRADIENTS: Registry[Gradient] = Registry("surface_gradient")
 WALL_ROWS: Registry[WallRows] = Registry("wall_rows")
 SURFACES: Registry[Surface] = Registry("surface_rule")
 SOURCES: Registry[Source] = Registry("source")
-FORCES: Registry[Force] = Registry("force")
+FORCES: Registry[ForceTerm] = Registry("force")
 REGULARISERS: Registry[Regulariser] = Registry("regulariser")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 GIVEN = 4.0    # tuned 2 to 8: least number of steps over which volume is given back; judged
 
 
-class Mixed(Source):
+class MixedSource(Source):
     """Velocity divergence and density error, weighted by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
 
     It includes, with their own weights, the strain source, the removal of a residual divergence per strain, and the
@@ -97,5 +97,5 @@ class ErrorCompensating(Source):
         return found
 
 
-for part in (Mixed(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):
+for part in (MixedSource(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):
     SOURCES.register(part)

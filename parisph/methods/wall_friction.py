@@ -6,13 +6,13 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.methods import lengths
-from parisph.methods.parts import FORCES, Force
+from parisph.methods.parts import FORCES, ForceTerm
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 
-class WallFriction(Force):
+class WallFriction(ForceTerm):
     """Stress of turbulent flow on free-slip walls, on the layer of particles beside them."""
 
     name, source, only = "friction", "Werner & Wengle 1993", "friction"

@@ -185,8 +185,8 @@ class WallElements:
         lists without what is behind a wall."""
         cloud = particles.cloud(indptr, indices, self.spacing)
         near, others = self._candidates
-        self.walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)
-        return solids.seen_neighbours(cloud, self.walls) if len(others) else (indptr, indices)
+        self.walls, free = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)
+        return (indptr, indices) if free else solids.seen_neighbours(cloud, self.walls)
 
     def mean_of_nodes(self, values: Floats) -> Floats:
         """Return the mean over the corners of each element (M,) of values (n_all,) of particles.

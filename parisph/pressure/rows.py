@@ -9,7 +9,7 @@ from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import rankine, surface_rows
 from parisph.kernels.jit import kernel
 from parisph.kernels.rankine import Invariants
-from parisph.kernels.records import Cloud, Flux, Rows
+from parisph.kernels.records import Cloud, DivergenceRows, Rows
 
 
 def _with_room(array: Array, n: int) -> Array:
@@ -35,7 +35,8 @@ class PressureRows:
         self.offset, self.radius = offset, radius
         self.own_flux = laplacian.gives != divergence.name
         none, nothing = np.empty(0, np.int32), np.empty(0)
-        self.rows, self.flux = Rows(none, none, nothing, nothing), Flux(none, none, np.empty((0, dim)), nothing)
+        self.rows = Rows(none, none, nothing, nothing)
+        self.flux = DivergenceRows(none, none, np.empty((0, dim)), nothing)
         self._invariants: Invariants | None = None
 
     def fill(self, u: Floats, cloud: Cloud, cells: Floats) -> None:
@@ -63,7 +64,7 @@ class PressureRows:
         self.rows = rows = Rows(_with_room(rows.count, n), _with_room(rows.columns, nnz), _with_room(rows.values, nnz),
                                 _with_room(rows.measure, n))
         shared = flux if self.own_flux else rows
-        self.flux = flux = Flux(_with_room(shared.count, n), _with_room(shared.columns, nnz),
+        self.flux = flux = DivergenceRows(_with_room(shared.count, n), _with_room(shared.columns, nnz),
                                 _with_room(flux.flux, nnz), _with_room(flux.div, n))
         for array in (rows.count, rows.measure, flux.count, flux.div):
             array[:n] = 0

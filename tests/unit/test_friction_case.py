@@ -50,7 +50,7 @@ def test_only_a_scene_with_friction_pays_for_it():
 
 def test_a_force_of_unknown_physics_is_refused():
     with pytest.raises(ValueError, match="only = 'magnetic' is not a kind of physics; choose viscous, turning"):
-        type("Pull", (parts.Force,), {"name": "pull", "only": "magnetic"})
+        type("Pull", (parts.ForceTerm,), {"name": "pull", "only": "magnetic"})
     with pytest.raises(ValueError, match='viscous = True has no effect; write only = "viscous"'):
-        type("Old", (parts.Force,), {"name": "old", "viscous": True})
+        type("Old", (parts.ForceTerm,), {"name": "old", "viscous": True})
     assert {part.only for part in parts.FORCES.values()} == {"", *vocabulary.PHYSICS}

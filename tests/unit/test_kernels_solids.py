@@ -186,3 +186,19 @@ def test_guard_is_relative_to_the_wall():
     slowed = solids.guard(u, cloud, walls._replace(velocity=wall_u), 0.025, 0.01)
     assert slowed == 2
     np.testing.assert_allclose(u, [(2.0, -2.5), (2.0, -1.0), (0.0, -9.0)], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("walls", "nothing_hidden"), [
+    ([Tank(2.0, 1.0)], True), ([Tank(2.0, 1.0, lid=True)], True),
+    ([Tank(2.0, 1.0), Obstacle(Box(0.5, 0.3, at=(0.7, 0.0)))], False),
+])
+def test_in_an_open_room_the_quick_lists_are_the_full_ones(walls, nothing_hidden):
+    scene = filled(StillWater(0.9), walls, S)
+    cloud, near = scene.records()
+    assert solids.is_open(cloud, near) == nothing_hidden
+    lists = [np.empty(len(near.indices), np.int32) for _ in range(2)]
+    ends = [np.empty_like(near.indptr) for _ in range(2)]
+    count = [solids.keep_unhidden(ends[k], lists[k], cloud, near, 2.6 * S, bool(k)) for k in range(2)]
+    if nothing_hidden:
+        np.testing.assert_array_equal(lists[0][:count[0]], lists[1][:count[1]])
+        np.testing.assert_array_equal(solids.seen_neighbours(cloud, near)[1], cloud.indices)

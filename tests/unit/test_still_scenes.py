@@ -13,7 +13,7 @@ from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import balance, rankine, walls
 from parisph.kernels.circle import Circle
-from parisph.kernels.records import Flux, Rows
+from parisph.kernels.records import DivergenceRows, Rows
 from parisph.kernels.solids import keep_off
 from parisph.methods import lengths
 from tests.wall_scenes import filled
@@ -58,7 +58,7 @@ def error(scene, level):
                            [DRY, WET, CONTACT], DRY)
     rows, cloud = buffers(scene, role)
     (count, columns, values, measure), indptr = rows, cloud.indptr
-    flux = Flux(count, columns, np.zeros((len(columns), 2)), np.zeros(n))
+    flux = DivergenceRows(count, columns, np.zeros((len(columns), 2)), np.zeros(n))
     circle = Circle(rankine.directions(2), lengths.CIRCLE * s, lengths.MLS * s)
     rankine.rankine_rows(rows, flux, cloud, np.zeros((n, 2)), circle, True)
     walls.sfdi_rows(rows, cloud, lengths.MLS * s)
