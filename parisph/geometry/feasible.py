@@ -28,7 +28,7 @@ SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: what is said to do, does
 
 
-def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
+def faults(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float,
            holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
     """Return what makes a scene impossible to compute, one sentence each with a remedy. The same on all ranks.
 
@@ -48,7 +48,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     return [*found, *_filled(walls, fluids, spacing, holes, titles)]
 
 
-def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
+def warnings(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
     """Return what will be computed less well than the rest, one sentence each; arguments as of `faults`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]

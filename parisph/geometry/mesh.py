@@ -112,14 +112,9 @@ def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
     return _together(meshes, bodies)
 
 
-def chains_of(walls: Sequence[Wall], spacing: float) -> list[Chain]:
-    """Return the chains of all walls: those that move alike joined, in the order of their motions. As `wall_mesh`, they
-    are made once."""
-    return list(_chains_of(tuple(walls), spacing))
-
-
 @lru_cache(maxsize=4)
-def _chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
+def chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
+    """Return the chains of all walls: those that move alike joined, in the order of their motions."""
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)

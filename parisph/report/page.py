@@ -25,9 +25,7 @@ LAST = 0.005    # of an interval, at its end, in which a greatest value may go o
 
 @dataclass(frozen=True)
 class Subject:
-    """The run of a report.
-
-    case : dict, as in case.json; title, probes : of the case; summary : dict, as in summary.json, empty without one
+    """The run of a report. case, summary : as in case.json and summary.json, which may be missing; probes : of the case
     """
 
     run: Run

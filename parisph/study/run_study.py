@@ -21,19 +21,9 @@ from pathlib import Path
 
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError
 from parisph.io.files import failing_as, write_json
-from parisph.study import (
-    error_plots,
-    history_plots,
-    limits,
-    measures,
-    other_codes,
-    processes,
-    report,
-    results,
-    runs,
-    study_folder,
-)
+from parisph.study import error_plots, history_plots, limits, measures, other_codes, report, results, runs, study_folder
 from parisph.study.plan import Plan, PlannedRun
+from parisph.study.processes import command
 from parisph.study.results import Result
 
 UNDONE = 1    # exit code if a run failed, or something required is not met
@@ -52,7 +42,7 @@ def run_study(plan: Plan, jobs: int = 1, progress: bool = True, force: bool = Fa
     Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
     StoreError : the folder cannot be written, or another process writes there; MissingLibrary : no mpirun
     """
-    processes.command([], max(run.ranks for run in plan.chosen))    # an error if there is no mpirun
+    command([], max(run.ranks for run in plan.chosen))    # an error if there is no mpirun
     with study_folder.hold(plan.folder, force) as renew:
         tell = _Progress(plan, progress)
         made, stopped = _results(plan, jobs, tell, renew)
