@@ -199,7 +199,7 @@ def _elevation(case: Scene) -> Iterator[str]:
 def _wave(case: Scene) -> Iterator[str]:
     """A wave starts well only under its own gravity, and in water as deep as its own.
 
-    The depth where waves are made is for geometry.wave_places.
+    The depth where waves are made is for geometry.scene_checks.
     """
     gravity = uniform_field(case.gravity)
     for name, wave in wave_sizes.waves(case):

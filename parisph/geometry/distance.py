@@ -82,12 +82,6 @@ class _Tree:
             self.upper.insert(0, np.maximum(self.upper[0][::2], self.upper[0][1::2]))
         self.some = corners[self.leaf, 0]    # a point of each leaf
 
-    def point_in(self, box: Ints, level: int) -> Floats:
-        """Return a point of an element in each box (n,) of a level."""
-        shift = self.levels - level
-        found: Floats = self.some[(box << shift) + ((1 << shift) >> 1)]
-        return found
-
 
 def _along_curve(x: Floats) -> Ints:
     """Return numbers (n,) such that points (n, dim) with near numbers are near each other (Morton order)."""
@@ -109,7 +103,8 @@ def _nearest(x: Floats, corners: Floats, tree: _Tree, within: float) -> tuple[Fl
             point, box = np.repeat(point, 2), np.repeat(2 * box, 2)
             box[1::2] += 1
         gap2, seen2 = np.zeros(len(point)), np.zeros(len(point))
-        some = tree.point_in(box, level)
+        below = tree.levels - level
+        some = tree.some[(box << below) + ((1 << below) >> 1)]    # a point of an element in each box
         for axis in range(x.shape[1]):
             at = x[point, axis]
             outside = np.maximum(np.maximum(tree.lower[level][box, axis] - at, at - tree.upper[level][box, axis]), 0.0)

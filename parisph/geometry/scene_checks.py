@@ -5,17 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import rounded_down
+from parisph.case.absorb import Relaxation
 from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
-from parisph.case.motion import Rotation, course
-from parisph.case.scenery import fluid_names
+from parisph.case.motion import AtRest, Rotation, course
+from parisph.case.scenery import body_names, fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Tank
-from parisph.geometry import feasible, probe_places, wave_places
+from parisph.geometry import feasible, probe_places
 from parisph.geometry.build import counts, domain, fillings, has_surface, volume
+from parisph.geometry.columns import beds
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
@@ -27,6 +30,8 @@ from parisph.geometry.tips import WIDTH, Tip, tips
 ROOM = 2.0      # spacings that a tank needs behind the farthest place of a wavemaker
 LEAST = 4       # fluid particles of a scene
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
+DEEP = 0.01     # of the depth of a wave: how far that of the water may differ
+ALONG = 9       # places along a zone at which it is looked at
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ def faults(case: Case) -> list[str]:
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                              [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
     return found or [*_few(case), *_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
-                     *wave_places.faults(case, walls)]
+                     *_depths(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -206,3 +211,33 @@ def _advice(case: Case) -> Iterator[str]:
             if misfit(length, s) > FIT and abs(step - s) > STRETCH * s:
                 yield (f"{name}.shape.{field} = {length:g} is {length / s:.3g} spacings: its particles start "
                        f"{step:.3g} m apart, not {s:g}; a spacing of {step:.6g} divides it")
+
+
+def _depths(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Waves that wavemakers and zones make in water of another depth."""
+    for name, maker, face in zip(body_names(case.bodies), case.bodies, walls):
+        if isinstance(maker, (Piston, Flap)) and isinstance(face, Profile) and maker.wave is not None:
+            bed = float(np.min(np.array(face.points)[:, 1]))
+            if isinstance(maker, Flap) and maker.bed is not None:
+                bed = maker.bed
+            yield from _depth(case, f"walls, {name}", maker.wave.depth, np.array([maker.place]), np.array([bed]), None)
+    resting = [solid_of(wall) for wall in walls if isinstance(wall.motion, AtRest)]
+    for number, zone in enumerate(case.absorb):
+        if isinstance(zone, Relaxation) and resting:
+            x = np.linspace(zone.start, zone.end, ALONG + 2)[1:-1]
+            corners = np.concatenate([outline.elements for outline in resting])
+            yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
+
+
+def _depth(case: Case, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
+    """Compare the depth of a wave with those of the water at places x (n,) above beds (n,) [m]."""
+    if level is None:
+        boxes = [case.bounds_of(fluid) for fluid in case.fluids]
+        tops = [top[-1] for low, top in boxes if np.any((x >= low[0] - 1e-9) & (x <= top[0] + 1e-9))]
+        if not tops:
+            return
+        level = max(tops)
+    deep = level - bed
+    if not deep.min() - DEEP * depth <= depth <= deep.max() + DEEP * depth:
+        there = f"{deep.min():g}" if np.ptp(deep) <= DEEP * depth else f"{deep.min():g} to {deep.max():g}"
+        yield f"{where}: wave.depth = {depth:g}: the water is {there} m deep there; change one of them"

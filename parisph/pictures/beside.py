@@ -8,7 +8,6 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
-from parisph.case.model import Model
 from parisph.case.probes import Probe, ProbeArray
 from parisph.case.profiles import read_profiles
 from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of
@@ -45,7 +44,8 @@ def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure"
             look = curves.marks(int(np.sum(inside)) if known > 1 else curves.MARKS)
         axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
-    bands = _bands(probe.truth)
+    bands = list({(band.start, band.end, band.low, band.high, band.when): band    # some differ by their smoothing only
+                  for band in bands_of(probe.truth)}.values())
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
     what = probe.quantity or curves.UNITS.get(unit, str(getattr(probe, "kind")).replace("_", " "))
@@ -100,11 +100,6 @@ def _legend(picture: "Figure", lines: dict[str, Any]) -> None:
     wide = curves.LETTER * max(map(len, lines)) + 0.7
     columns = min(max(int(picture.get_figwidth() / wide), 1), len(lines))
     picture.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
-
-
-def _bands(truth: Model | None) -> list[PeakBand]:
-    """Return the bands of a truth, each once: some differ by their smoothing only."""
-    return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands_of(truth)}.values())
 
 
 def _over_the_run(time: Floats, values: Floats, run: Floats) -> curves.Samples:

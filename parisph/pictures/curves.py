@@ -71,8 +71,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
     truth : {probe: (time [s], value)} in the probe's unit, drawn in black
     normalise : divide time by sqrt(H/g), pressures by rho g H and lengths by H of each run
 
-    Raises:
-    CaseError : no such probe in one of the runs, or nothing to normalise by
+    Raises CaseError : no such probe in one of the runs, or nothing to normalise by
     StoreError : nothing to draw
     """
     given = [runs] if isinstance(runs, (Run, str, PathLike)) else runs
@@ -90,7 +89,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
         if number < columns:
             second_time_axis(axes, several, normalise)
         if len(several) == 1:
-            show_steps(axes, several[0], time_unit(own_scales(several[0], normalise), normalise))
+            show_steps(axes, several[0], own_scales(several[0], normalise).time or 1.0 if normalise else 1.0)
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
     labels = run_labels(several) if len(several) > 1 else [""]
@@ -209,7 +208,8 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     by = [{"Pa": own.pressure, "m": own.length, "m/s": own.speed}.get(unit) if normalise else None for own in scales]
     largest = max((np.nanmax(np.abs(curve.values), initial=0.0) for curve in curves), default=0.0)
     factor, shown = (1.0, "") if by[0] else style.with_prefix(largest, unit)
-    times, factors = [time_unit(own, normalise) for own in scales], [1.0 / scale if scale else factor for scale in by]
+    times = [own.time or 1.0 if normalise else 1.0 for own in scales]
+    factors = [1.0 / scale if scale else factor for scale in by]
     series = list(dict.fromkeys((curve.probe, curve.column) for curve in curves))
     runs = list(dict.fromkeys(curve.label for curve in curves))
     looks = style.line_looks(len(runs), len(series))
@@ -295,11 +295,6 @@ def own_scales(run: Run, normalise: bool) -> style.SceneUnits:
     if normalise and own.time is None:
         raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
     return own
-
-
-def time_unit(own: style.SceneUnits, normalise: bool) -> float:
-    """Return the unit of an axis of time [s]."""
-    return own.time if normalise and own.time is not None else 1.0
 
 
 def time_label(axes: "Axes", normalise: bool, last: bool) -> None:

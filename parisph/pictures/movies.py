@@ -40,8 +40,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
 
-    Raises:
-    CaseError : as plot_field, for another ending, and for fps or slow out of range
+    Raises CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
     run = run if isinstance(run, Run) else open_run(run)

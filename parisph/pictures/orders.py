@@ -34,8 +34,7 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
     out : file to write; None: files in the folder of the (first) run, named after what they show
     normalise, look : see view.Look; None for a default
 
-    Raises:
-    CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
+    Raises CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
     quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be written
     """
     look = {name: value for name, value in look.items() if value is not None}

@@ -87,8 +87,7 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
         (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords; path : file to write (.png, .pdf, ...), or None
 
-    Raises:
-    CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
+    Raises CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
     StoreError : no such snapshot, or the quantity was not written
     """
     run = run if isinstance(run, Run) else open_run(run)

@@ -46,7 +46,8 @@ def errors(probes: Probes, case: Content, summary: Content) -> CellTable:
 
 def _of_probe(k: int, probe: Probe, case: Content, summary: Content) -> Iterator[tuple[Cell, ...]]:
     for truth, place, path in _truths(k, probe):
-        error = error_of(summary, path)
+        reason = number(summary, SUMMARY, [*path, "reason"])
+        error = number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
         start, end, points, shift, shifted = (
             number(summary, SUMMARY, [*path, name], form) for name, form in
             (("start", ".4g"), ("end", ".4g"), ("points", "d"), ("best_shift", "+.3g"), ("shifted_l2", ".3g")))
@@ -76,12 +77,6 @@ def name_of(truth: AnyTruth) -> str:
     if isinstance(truth, WaveTruth):
         return "wave"
     return truth.name or ("numbers" if isinstance(truth, Peaks) else named(truth.file.rpartition("/")[2]))
-
-
-def error_of(summary: Content, path: list[Any]) -> Cell:
-    """Return the error of a probe, or why there is none. path : ["errors", probe, ...]"""
-    reason = number(summary, SUMMARY, [*path, "reason"])
-    return number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
 
 
 def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:

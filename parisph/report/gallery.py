@@ -19,6 +19,7 @@ from parisph.report.entries import Cell, CellTable, number
 from parisph.report.page import Subject, subject
 
 START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
+WORDS = account.ALIGNMENT.partition(" The last two")[0]
 PICTURES = "pictures"    # folder beside a file that a gallery is put into
 HEAD = ("probe", "truth", "error, greatest value or time", "least error of others", "error against further references")
 
@@ -52,8 +53,8 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
                   markup.table(truths) if (truths := _table(about)).rows else markup.paragraph("No truth.")]
         texts += [f"## {line(about.title)}", "", *_text(name, about, f"{name}.png" if path else "")]
     with failing_as(f"write to {place}"):
-        write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
-        write_text(place / "gallery.md", "\n".join([*texts[:2], _words(), "", *texts[2:]]))
+        write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(WORDS), *pages]))
+        write_text(place / "gallery.md", "\n".join([*texts[:2], WORDS, "", *texts[2:]]))
     return [place / "gallery.html", place / "gallery.md"]
 
 
@@ -63,7 +64,7 @@ def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
     Sections are named as the folders of the runs. The pictures go to the folder `pictures` beside the file, or beside
     the target of a link. Raises CaseError for a file without the marks, or not in UTF-8; otherwise as `write`.
     """
-    place, texts = Between(file, START, END, "the gallery"), ["", _words(), ""]
+    place, texts = Between(file, START, END, "the gallery"), ["", WORDS, ""]
     pictures = place.path.parent / PICTURES
     for name, about in _subjects(folders):
         picture = _picture(about.run, pictures / f"{name}.png")
@@ -77,10 +78,6 @@ def _subjects(folders: Sequence[AnyPath]) -> list[tuple[str, Subject]]:
     names = [name.replace("/", "_") for name in curves.folder_names([about.run.folder for about in subjects])]
     return [(name if names.count(name) == 1 else f"{name}-{number}", about)
             for number, (name, about) in enumerate(zip(names, subjects), 1)]
-
-
-def _words() -> str:
-    return account.ALIGNMENT.partition(" The last two")[0]
 
 
 def _picture(run: Run, path: Path) -> Path | None:

@@ -17,7 +17,7 @@ from parisph.io.files import failing_as, write_text
 from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, conditions, energies, events, flume, markup
+from parisph.report import account, conditions, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
 LAST = 0.005    # of an interval, at its end, in which a greatest value may go on to rise
@@ -96,7 +96,7 @@ def _errors(about: Subject) -> list[str]:
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
             parts += [markup.paragraph(words, "small")] if words else []
-    waves = list(flume.reflection(about.summary))
+    waves = list(events.reflection(about.summary))
     parts += [markup.heading("Incident and reflected waves")] if waves else []
     for content, words in waves:
         parts += [markup.table(content), *([markup.paragraph(words, "small")] if words else [])]

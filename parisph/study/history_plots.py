@@ -51,7 +51,8 @@ def draw(results: Sequence[Result], probe: str, plan: Plan, path: Path) -> bool:
     run = next(iter(panels.values()))[0][1]
     column = _column(run, probe)
     unit = run.units(probe).get(column, "")
-    factor, shown = style.with_prefix(_largest(panels, probe, column), unit)
+    values = np.concatenate([run.probe(probe)[column] for group in panels.values() for _, run in group])
+    factor, shown = style.with_prefix(float(np.nanmax(np.abs(values), initial=0.0)), unit)
     truths, sort = _truths(run, probe, plan), report.axis_of(results)[0]
     keys = list(dict.fromkeys(_key(one, sort) for group in panels.values() for one, _ in group))
     looks = dict(zip(keys, style.line_looks(len(keys))))
@@ -137,11 +138,6 @@ def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]
             t, values = read_reference(file, time, value, measure.offset, measure.scale, measure.time_scale)
             found[measure.name or f"{file.stem}: {value}"] = t - measure.shift, values
     return found
-
-
-def _largest(panels: Mapping[str, Sequence[Drawn]], probe: str, column: str) -> float:
-    values = [np.nanmax(np.abs(run.probe(probe)[column]), initial=0.0) for group in panels.values() for _, run in group]
-    return float(max(values, default=0.0))
 
 
 def _limit(axes: "Axes", panels: Mapping[str, Sequence[Drawn]], probe: str, column: str, factor: float,

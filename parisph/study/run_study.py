@@ -38,8 +38,7 @@ def run_study(plan: Plan, jobs: int = 1, progress: bool = True, force: bool = Fa
 
     Returns 0, or 1 if a run failed for a reason other than its method, or something required is not met.
 
-    Raises:
-    Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
+    Raises Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
     StoreError : the folder cannot be written, or another process writes there; MissingLibrary : no mpirun
     """
     command([], max(run.ranks for run in plan.chosen))    # an error if there is no mpirun

@@ -20,8 +20,7 @@ SOUGHT = 0.05    # of the compared time: largest shift either way that is tried
 def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: errors} for the probes that have a truth. Not collective.
 
-    Returns:
-    dict of dicts, without a shift of time but for the last entries:
+    Returns dict of dicts, without a shift of time but for the last entries:
     relative_l2 : relative to the wave if Truth.wave is set, in the window of the truth, after Truth.smooth
     paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, relative to all, with the depth
     paper_2017 : for waves, that of Zheng et al. (2017), Eq 35
