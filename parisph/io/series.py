@@ -82,7 +82,6 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
 
     Raises StoreError: the file cannot be read, is damaged (it names the line), or is of another run.
     """
-    path = Path(path)
     try:
         check_regular(os.stat(path))
         text = path.read_bytes().decode("utf-8")

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import h5py
 import numpy as np
 
-from parisph.base.arrays import Array, Floats
+from parisph.base.arrays import Floats
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
@@ -33,26 +33,13 @@ VERTEX = 1  # VTK's number for a cell of one point
 
 
 class Written(Protocol):
-    """This rank's rows of what is written, with the fields as attributes: Particles, or a copy of some."""
+    """This rank's rows of what is written: Particles, or a copy of some.
 
-    @property
-    def dim(self) -> int:
-        """Number of dimensions."""
+    It has the fields as attributes, and dim; n_owned, offset : rows of this rank, and its first; n_global : of all
+    """
 
-    @property
-    def n_owned(self) -> int:
-        """Rows of this rank."""
-
-    @property
-    def offset(self) -> int:
-        """First row of this rank."""
-
-    @property
-    def n_global(self) -> int:
-        """Rows of all ranks."""
-
-    def __getattr__(self, name: str) -> Array:
-        """Return the rows of a field."""
+    def __getattr__(self, name: str) -> Any:
+        """Return the rows of a field, or one of these numbers."""
 
 
 def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],

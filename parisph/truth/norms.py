@@ -1,4 +1,4 @@
-"""Errors of a time series against a reference.
+"""Errors of a time series against a reference, and of operators.
 
 Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s] increase. Nothing here is
 collective. A series that cannot be evaluated raises ValueError.
@@ -35,6 +35,37 @@ def z17_elevation(elevation: Floats, truth: Floats) -> float:
     if total == 0.0:
         raise ValueError("the truth adds up to zero: Eq 35 of Z17 divides by that sum")
     return float(np.linalg.norm(value - truth) / abs(total))
+
+
+def z14_er(error: Floats, size: float, volume: float) -> float:
+    """Return Er of Z14, Sec. 2.2: sqrt(sum (error/size)^2 m/rho), (n,) errors.
+
+    size : amplitude of the exact derivative; volume : m/rho of a particle [m^dim]. It is the rms times the root of the
+    area that is looked at, 0.6 for the paper's window.
+    """
+    return float(np.sqrt(np.sum((error / size) ** 2) * volume))
+
+
+def z14_er_max(error: Floats, size: float) -> float:
+    """Return Er_max of Z14, Sec. 2.2: the largest |error|/size."""
+    return float(np.abs(error).max() / size)
+
+
+def z17_er(error: Floats) -> float:
+    """Return Er of Z17 Eq 33 as printed, of one component: sqrt(sum error^2)/N.
+
+    It is the rms divided once more by sqrt(N): it decreases as 1/sqrt(N) for an error that does not.
+    """
+    return float(np.linalg.norm(error) / len(error))
+
+
+def relative_l2_linf(found: Floats, exact: Floats) -> tuple[float, float]:
+    """Return the error relative to the exact values in L2, and in L-infinity (largest error over largest value).
+
+    found, exact : (n,), or (n, dim) for vectors, whose length counts
+    """
+    error, size = (np.abs(a) if a.ndim == 1 else np.linalg.norm(a, axis=1) for a in (found - exact, exact))
+    return relative_l2(found.ravel(), exact.ravel()), float(error.max() / size.max())
 
 
 def on_reference(time: Floats, value: Floats, reference_time: Floats, reference: Floats,
