@@ -98,8 +98,8 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
 @lru_cache(maxsize=4)
 def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
-    bodies = tuple(MeshBody(name, number, _slip(wall))
-                   for name, number, wall in zip(body_names(walls), motion_numbers(walls), walls))
+    slips = [("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip for wall in walls]
+    bodies = tuple(map(MeshBody, body_names(walls), motion_numbers(walls), slips))
     chains = chains_of(walls, spacing)
     if not chains:
         names = ", ".join(body.name for body in bodies)
@@ -132,11 +132,6 @@ def motion_numbers(walls: Sequence[Wall]) -> list[int]:
     """Return for each wall the number of its motion in `motions_of`."""
     motions = motions_of(walls)
     return [0 if isinstance(wall.motion, AtRest) else motions.index(wall.motion) for wall in walls]
-
-
-def _slip(wall: Wall) -> str:
-    """Return "none" for a wall to which viscous fluid sticks; a Tank may have such sides beside others."""
-    return ("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip
 
 
 def _lone_tank(walls: Sequence[Wall], chains: Sequence[Chain]) -> int | None:
