@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph import Airy, Box, Case, Energy, Fluid, Numerics, Output, Relaxation, Simulation, Sponge, SurfaceGauge, Tank
 from parisph.truth.reflection import separated
 from parisph.watch import instruments
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_ranks, water
 
 G, DEPTH, HEIGHT = 9.81, 0.5, 0.02
 PERIOD = Airy(height=HEIGHT, period=1.2, depth=DEPTH).period
@@ -50,9 +50,8 @@ def test_a_sponge_reflects_little(sponge, limit):
 
 
 def test_water_at_rest_stays_at_rest_in_an_uneven_zone(simulated):
-    case = Case(title="rest", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 1.0), gravity=(0.0, -G),
-                absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)],
-                numerics=Numerics(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4), end_time=1.0)
+    case = water((1.0, 0.5), (1.0, 1.0), dict(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4),
+                 gravity=(0.0, -G), absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)])
     simulation = simulated(case)
     for _ in range(100):
         simulation.advance()
