@@ -5,6 +5,7 @@ from textwrap import indent
 import numpy as np
 
 from parisph.case.load import load
+from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from tests.launch import ROOT, mpirun
 
@@ -26,14 +27,16 @@ def scene(name, numerics=None, **sets):
 
 
 def water(shape, tank, numerics, **about):
-    """Return the Case of water of a shape, or in a Box of these fields, in a Tank, or one of these fields.
+    """Return the Case of water of a shape, or in a Box of these fields, between walls, or in a Tank of these fields.
 
     numerics : the spacing, or a dict of fields; about : further fields of the case, and of its Fluid
     """
     of_fluid = {name: about.pop(name) for name in set(Fluid.model_fields) & set(about)}
-    shape, walls = (kind(*given) if isinstance(given, tuple) else given for kind, given in ((Box, shape), (Tank, tank)))
+    shape = Box(*shape) if isinstance(shape, tuple) else shape
+    walls = Tank(*tank) if isinstance(tank, tuple) and not isinstance(tank[0], Model) else tank
     numerics = Numerics(**(numerics if isinstance(numerics, dict) else {"spacing": numerics}))
-    return Case(**{"title": "water", "fluid": Fluid(shape, **{"density": 1000.0, **of_fluid}), "walls": walls,
+    fluid = shape if isinstance(shape, Fluid) else Fluid(shape, **{"density": 1000.0, **of_fluid})
+    return Case(**{"title": "water", "fluid": fluid, "walls": walls,
                    "gravity": (0.0, -9.81), "end_time": 1.0, "numerics": numerics, **about})
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Airy, Box, Case, Energy, Fluid, Numerics, Output, Relaxation, Simulation, Sponge, SurfaceGauge, Tank
+from parisph import Airy, Energy, Output, Relaxation, Simulation, Sponge, SurfaceGauge
 from parisph.truth.reflection import separated
 from parisph.watch import instruments
 from tests.scenes import difference, on_ranks, water
@@ -19,12 +19,10 @@ def tank(sponge, spacing=0.0625, periods=12.0, **values):
     length = WAVE.length
     width = spacing * round((2.0 + sponge) * length / spacing)
     gauges = [SurfaceGauge(f"g{k}", at=length * (1.25 + 0.13 * k)) for k in range(5)]
-    return Case(
-        title="waves", fluid=Fluid(Box(width, DEPTH), density=1000.0), walls=Tank(width, 2.0 * DEPTH),
-        gravity=(0.0, -G), end_time=periods * PERIOD, probes=gauges, output=Output(budget=True),
-        absorb=[Relaxation(0.0, length, wave=WAVE, ramp=2.0 * PERIOD),
-                Sponge(width - sponge * length, sponge * length)],
-        numerics=Numerics(preset="gentle", spacing=spacing, time_step=PERIOD / 40.0, **values))
+    zones = [Relaxation(0.0, length, wave=WAVE, ramp=2.0 * PERIOD), Sponge(width - sponge * length, sponge * length)]
+    return water((width, DEPTH), (width, 2.0 * DEPTH),
+                 dict(preset="gentle", spacing=spacing, time_step=PERIOD / 40.0, **values), gravity=(0.0, -G),
+                 end_time=periods * PERIOD, probes=gauges, output=Output(budget=True), absorb=zones)
 
 
 def waves(case):
