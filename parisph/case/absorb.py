@@ -1,8 +1,7 @@
-"""Zones of a tank in which the water's velocity is drawn to that of a wave, or to rest.
+"""Zones of a tank that force the velocity of the water towards that of a wave, or to rest.
 
-There the equation of motion has the further term (u_t - u)/tau. With u_t = 0 (Sponge) the zone takes up the waves that
-come to it; with the velocity of a wave (Relaxation) it takes up all that differs from that wave, so that it makes this
-wave and absorbs others.
+The equation of motion has the additional term (u_t - u)/tau there. A Sponge (u_t = 0) absorbs incoming waves. A
+Relaxation zone, with the velocity of a wave, absorbs every difference from it: it makes this wave and absorbs others.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,17 +14,17 @@ from parisph.base.arrays import Floats
 from parisph.case.model import Model
 from parisph.case.waves import AnyWave, angular_frequency
 
-# They take up waves of half a zone to a whole one in length best. A zone that makes a wave must take up the one that
-# the wall behind it makes, which passes the zone only once.
+# Strengths that best absorb waves of half to one zone length. A zone that makes a wave must also absorb the reflection
+# from the wall behind it, which passes the zone only once.
 SPONGE, RELAXATION = 17.0, 40.0
 
 
 class Zone(Model):
-    """What the zones have in common.
+    """Base of the zones.
 
-    1/tau rises with the square of the distance from the end where waves come in, to strength c/length at the other
-    end, with the group velocity c of waves as long as the zone: what it takes up of a wave in one pass depends on the
-    strength alone. Higher rates reflect waves themselves.
+    1/tau rises with the square of the distance from the end where waves enter, to strength c/length at the other end. c
+    is the group velocity of waves as long as the zone, so the part of a wave that one pass absorbs depends on the
+    strength alone. Higher rates reflect waves.
     """
 
     kind: str = Field(init=False)
@@ -41,14 +40,14 @@ class Zone(Model):
         return self.start + self.length
 
     def shape(self, x: Floats, ends: tuple[float, float]) -> Floats:
-        """Return 1/tau over its greatest value, from 0 to 1, at x (n,) [m] in a tank between two ends x [m]."""
+        """Return 1/tau over its maximum, 0 to 1, at x (n,) [m] in a tank between two ends x [m]."""
         along = (x - self.start) / self.length
         if self._leftward(ends):
             along = 1.0 - along
         return np.where((x >= self.start) & (x <= self.end), np.clip(along, 0.0, 1.0) ** 2, 0.0)
 
     def target(self, x: Floats, t: float, level: float) -> Floats | float:
-        """Return u_t (n, dim) [m/s] at x (n, dim) [m] and t [s] in water of a still level [m]; 0.0 for rest."""
+        """Return u_t (n, dim) [m/s] at x (n, dim) [m] and t [s]; 0.0 for rest. level : of still water [m]"""
         return 0.0
 
     def _leftward(self, ends: tuple[float, float]) -> bool:
@@ -58,11 +57,10 @@ class Zone(Model):
 
 
 class Sponge(Zone):
-    """Takes up waves: the velocity is drawn to zero.
+    """Absorbs waves: forces the velocity towards zero.
 
-    start, length [m]: the zone reaches from x = start to start + length, and becomes stronger towards the nearer end of
-    the tank. Waves as long as the zone come back with 1 to 2.5 % of their height, waves half as long with .3 %
-    (kd = .8 to 3).
+    start, length [m]: the zone reaches from x = start to start + length, and is strongest at the end nearer to an end
+    of the tank. It reflects 1 to 2.5 % of the height of waves of its length, .3 % of waves half as long (kd = .8 to 3).
 
     >>> Sponge(start=8.0, length=2.0).end
     10.0
@@ -72,13 +70,12 @@ class Sponge(Zone):
 
 
 class Relaxation(Zone):
-    """Makes a wave, and takes up all other waves: the velocity is drawn to that of `wave`.
+    """Makes a wave and absorbs all others: forces the velocity towards that of `wave`.
 
-    For waves that carry no water with them: all of it comes from the zone, which a solitary wave of 0.1 depths leaves
-    with 0.82 of its height.
+    For waves without mass transport. A solitary wave of 0.1 depths would leave the zone with 0.82 of its height.
 
-    start, length [m] : as of a Sponge. It is as strong as waves of its length need to come out within 4 % of their
-        height (kd = .8 to 3); such waves that come back are reflected by 8 %, waves half as long by .3 %
+    start, length [m] : as of a Sponge. Waves as long as the zone leave it within 4 % of their height (kd = .8 to 3). It
+        reflects 8 % of the height of such waves, .3 % of waves half as long
     ramp : time [s] over which the wave grows from rest; 0 for a scene that starts with the wave
     level : height y of the still surface [m], by default the top of the fluid's shape
 
@@ -104,7 +101,7 @@ AnyZone = Annotated[Union[Sponge, Relaxation], Field(discriminator="kind", descr
 
 
 class Absorber:
-    """The zones of a scene: what they do to water at any place.
+    """The zones of a scene and their effect on the fluid.
 
     zones : of the case
     ends : x of both ends of the tank [m]
@@ -129,12 +126,12 @@ class Absorber:
 def group_velocity(length: float, depth: float, g: float) -> float:
     """Return the group velocity [m/s] of linear waves of a length [m] in water of a depth [m]."""
     k = 2.0 * np.pi / length
-    inward = 2.0 * k * depth / np.sinh(min(2.0 * k * depth, 700.0))    # of the sinh overflows what is zero
+    inward = 2.0 * k * depth / np.sinh(min(2.0 * k * depth, 700.0))    # beyond 700 the sinh overflows
     return float(0.5 * angular_frequency(k, depth, g) / k * (1.0 + inward))
 
 
 def problems(zones: Sequence[Zone], ends: tuple[float, float]) -> Iterator[str]:
-    """Yield one line for each zone that does not lie between the ends x [m] of the tank, or over another one."""
+    """Yield one line for each zone outside of the ends x [m] of the tank, or over another one."""
     slack = 1e-6 * (ends[1] - ends[0])
     for number, zone in enumerate(zones):
         where = f"absorb[{number}]: {zone.kind} from x = {zone.start:g} to {zone.end:g}"

@@ -1,4 +1,4 @@
-"""Bodies of a scene beside the tank: beds, obstacles, plates and wavemakers, and the still water between them."""
+"""Bodies of a scene other than the tank: beds, obstacles, plates and wavemakers; and still water."""
 
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Union
@@ -24,8 +24,8 @@ Line = Annotated[Several[tuple[float, float]],
 class Profile(Model):
     """A bed or a wall, open at both ends: straight lines between points [m], with fluid above it.
 
-    The points may be given either way round. Where the first lies above the last, as at a vertical wall, nothing is
-    above: then `side` says on which side of the way along the points the fluid is.
+    The points may be given in either direction. If the first and the last have the same x, as on a vertical wall,
+    `side` must say on which side the fluid is, as seen along the points.
 
     >>> Profile(points=((0.0, 0.0), (2.0, 0.0), (4.0, 0.5)), name="beach").fluid_on_left
     True
@@ -36,7 +36,7 @@ class Profile(Model):
     name: Name = ""
     slip: Slip = "free"
     side: Literal["left", "right"] | None = Field(
-        default=None, description="side of the way along the points on which the fluid is, None for above")
+        default=None, description="side of the fluid as seen along the points, None for above")
     motion: AnyMotion = AtRest()
 
     @model_validator(mode="after")
@@ -49,7 +49,7 @@ class Profile(Model):
 
     @property
     def fluid_on_left(self) -> bool:
-        """Whether the fluid is on the left of the way along the points."""
+        """Whether the fluid is on the left, as seen along the points."""
         return self.points[0][0] < self.points[-1][0] if self.side is None else self.side == "left"
 
     @property
@@ -108,7 +108,7 @@ class Plate(Model):
 
 
 class StillWater(Model):
-    """Water at rest that fills what the walls enclose up to a level [m], but for what other fluid is given.
+    """Water at rest that fills the space between the walls up to a level [m], where no other fluid is.
 
     >>> StillWater(level=0.3).level
     0.3
@@ -119,11 +119,10 @@ class StillWater(Model):
 
 
 class Piston(Model):
-    """An upright wall at x = `at` [m] that moves along x, with the fluid on one side: it makes a `wave`, or has a
-    `motion`.
+    """A vertical wall at x = `at` [m] that moves along x, with fluid on one side: it makes a `wave`, or has a `motion`.
 
-    It stands on the bed below it, over which it slides, and is as high as the other walls, unless `bottom` and `top`
-    say otherwise. Walls behind it are dry. A wave that runs to the left has the fluid on the left.
+    It slides over the bed below it and is as high as the other walls, unless `bottom` and `top` differ. There is no
+    fluid behind it. A wave that runs to the left has the fluid on the left.
 
     >>> Piston(at=0.0, wave=SolitaryWave(height=0.05, depth=0.25)).fluid_on_left
     False
@@ -166,10 +165,10 @@ class Piston(Model):
 
 
 class Flap(Model):
-    """An upright wall that turns about a `hinge` (x, y) [m] at its lower end, with the fluid on one side.
+    """A vertical wall that turns about a `hinge` (x, y) [m] at its lower end, with fluid on one side.
 
-    It makes a `wave`, or has a `motion`, a rotation about the hinge. The hinge lies on a bed or on an obstacle. As of
-    a Piston: `top`, and the side of the fluid.
+    It makes a `wave`, or has a `motion`, a rotation about the hinge. The hinge lies on a bed or on an obstacle. `top`
+    and the side of the fluid are those of a Piston.
 
     >>> Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.5, depth=0.5)).moved.kind
     'flap_stroke'
@@ -188,7 +187,7 @@ class Flap(Model):
     @model_validator(mode="after")
     def _one_motion(self) -> "Flap":
         _check_drive(self.wave, self.motion, self.side)
-        self.moved    # says what is wrong with the hinge
+        self.moved    # raises if the hinge is wrong
         if isinstance(self.motion, Rotation) and tuple(self.motion.centre) != self.hinge:
             raise ValueError(f"motion.centre = {self.motion.centre}: must be the hinge, {self.hinge}")
         return self
@@ -226,12 +225,12 @@ def _check_drive(wave: Any, motion: Motion | None, side: str | None) -> None:
 
 
 def motion_of(body: "Body") -> Motion:
-    """Return how a body moves in the frame of the scene."""
+    """Return the motion of a body in the frame of the scene."""
     return body.moved if isinstance(body, (Piston, Flap)) else body.motion
 
 
 def _kind_of(walls: Any) -> str:
-    """Return which member of Walls a value is. A Tank stored by an earlier release has no kind."""
+    """Return the tag of a member of Walls. A Tank stored by an earlier release has no kind."""
     if isinstance(walls, (list, tuple)):
         return "several"
     return str(walls.get("kind", "tank") if isinstance(walls, Mapping) else getattr(walls, "kind", "tank"))
@@ -254,7 +253,7 @@ def _box(points: Sequence[Sequence[float]]) -> tuple[Floats, Floats]:
 
 
 def _check_line(points: Sequence[Sequence[float]], closed: bool) -> None:
-    """Raise ValueError if two consecutive points are one, or the line through them meets itself."""
+    """Raise ValueError if two consecutive points are equal, or the line through them meets itself."""
     p = np.array(points, dtype=float)
     a, b = (p, np.roll(p, -1, axis=0)) if closed else (p[:-1], p[1:])
     same = np.flatnonzero((a == b).all(axis=1))
@@ -268,7 +267,7 @@ def _check_line(points: Sequence[Sequence[float]], closed: bool) -> None:
 
 
 def _first_met(a: Floats, b: Floats, i: int, closed: bool) -> int | None:
-    """Return the first later piece that piece i touches or crosses, other than where they join, or None."""
+    """Return the first later piece that piece i touches or crosses except at a shared end, or None."""
     j = np.arange(i + 1, len(a))
     before = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i]) <= 0.0
     across = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j]) <= 0.0
@@ -284,5 +283,5 @@ def _first_met(a: Floats, b: Floats, i: int, closed: bool) -> int | None:
 
 
 def _side(a: Floats, b: Floats, p: Floats) -> Floats:
-    """Return the cross product of b - a and p - a: positive where p lies to the left."""
+    """Return the cross product of b - a and p - a: positive if p is on the left."""
     return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])

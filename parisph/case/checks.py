@@ -1,4 +1,4 @@
-"""Checks of a whole case: whatever would fail later is reported before any work.
+"""Checks of a whole case: faults are reported before any work.
 
 Each check yields one line per problem, with field, value, limit and remedy.
 """
@@ -26,7 +26,7 @@ from parisph.case.shapes import Box, Tank
 from parisph.case.time_scales import SAMPLES, sample
 from parisph.case.values import LARGEST
 
-FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
+FAR = 1e9       # spacings from the origin up to which float64 resolves places well
 
 
 def problems(case: Scene) -> list[str]:
@@ -103,14 +103,14 @@ def _friction(case: Scene) -> Iterator[str]:
 
 
 def _sticks(body: Body) -> bool:
-    """Return whether fluid sticks to all of a body."""
+    """Return whether all of a body is no-slip."""
     if isinstance(body, Tank):
         return {"left", "right", "bottom", *(("top",) if body.closed else ())} <= set(body.sticky)
     return body.slip == "none"
 
 
 def _surface(case: Scene) -> Iterator[str]:
-    """Without a free surface only a full tank has a pressure: in all other scenes nothing fixes its level."""
+    """Only a full tank may lack a free surface, which fixes the level of the pressure in other scenes."""
     if case.closed or case.numerics.resolved().surface_rule != "none":
         return
     if case.numerics.surface_rule == "none":
@@ -127,7 +127,7 @@ def _inside(case: Scene) -> Iterator[str]:
         return
     tolerance = FIT * case.numerics.spacing
     for name, fluid in fluid_names(case):
-        if isinstance(fluid.shape, StillWater):    # which is where the walls are
+        if isinstance(fluid.shape, StillWater):
             if case.tank is not None and case.tank.closed and fluid.top > case.tank.bounds[1][-1] + tolerance:
                 yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
                        f"{case.tank.bounds[1][-1]:g}")
@@ -139,7 +139,7 @@ def _inside(case: Scene) -> Iterator[str]:
 
 
 def _within(case: Scene, name: str, box: tuple[Floats, Floats], tolerance: float, remedy: str = "") -> Iterator[str]:
-    """Say where a box reaches out of the walls; without a tank these are open above. remedy : a further one"""
+    """Yield where a box reaches beyond the walls, which are open above without a tank. remedy : a further one"""
     (lower, upper), (low, high) = box, case.wall_bounds or box
     for axis in range(case.dim):
         above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
@@ -197,9 +197,7 @@ def _elevation(case: Scene) -> Iterator[str]:
 
 
 def _wave(case: Scene) -> Iterator[str]:
-    """A wave starts well only under its own gravity, and in water as deep as its own.
-
-    The depth where waves are made is for geometry.scene_checks.
+    """A wave needs the gravity and the depth of the case. geometry.scene_checks checks the depth where they are made.
     """
     gravity = uniform_field(case.gravity)
     for name, wave in wave_sizes.waves(case):

@@ -1,4 +1,4 @@
-"""How records look to checkers, editors, inspect.signature and help(): by their fields, not pydantic's words."""
+"""What checkers, editors, inspect.signature and help() see of records: their fields, not pydantic's names."""
 
 import inspect
 import types
@@ -20,12 +20,11 @@ def given(model: type[BaseModel]) -> dict[str, FieldInfo]:
     return {name: field for name, field in model.model_fields.items() if name != "kind"}
 
 
-# PEP 681: checkers and editors read the arguments of a record from its fields. They see a default only if it is written
-# default=..., want kw_only=True for a field without a default after one that has a default, and init=False for one that
-# is not to be given.
+# PEP 681: checkers and editors read the arguments of a record from its fields. A default must be written default=...; a
+# field without a default after one with a default needs kw_only=True; a field that users cannot give needs init=False.
 @dataclass_transform(frozen_default=True, field_specifiers=(Field, PrivateAttr))
 class Described(ModelMetaclass):
-    """The type of all records. A record has the signature of its fields; help() leaves out what pydantic adds."""
+    """The metaclass of all records. A record has the signature of its fields; help() omits what pydantic adds."""
 
     @property
     def __signature__(cls) -> inspect.Signature:
@@ -40,16 +39,16 @@ class Described(ModelMetaclass):
 
     @__signature__.setter
     def __signature__(cls, _: Any) -> None:
-        """Pydantic sets one of its own."""
+        """Ignore the signature that pydantic sets."""
 
     def __dir__(cls) -> list[str]:
-        """Names that records define themselves; the others work too."""
+        """Return the names that records define themselves; the others work too."""
         own = {name for base in cls.__mro__ if base not in BaseModel.__mro__ for name in vars(base)}
         return sorted(name for name in own if not name.startswith(("_", "model_")))
 
 
 def _bare(annotation: Any) -> Any:
-    """Return a type without the limits and words that pydantic reads from it."""
+    """Return a type without the limits and descriptions that pydantic reads from it."""
     origin, parts = typing.get_origin(annotation), typing.get_args(annotation)
     if origin is typing.Annotated:
         return _bare(parts[0])

@@ -1,21 +1,21 @@
-"""What distinguishes stored cases: short labels of runs that are drawn over each other."""
+"""Short labels that distinguish stored cases, for runs drawn in one picture."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-FIRST = ("spacing", "preset", "method", "time_step", "jitter", "seed")    # numerics that runs are made to compare
+FIRST = ("spacing", "preset", "method", "time_step", "jitter", "seed")    # numerics that runs usually compare
 ASIDE = ("run", "schema", "digest", "made", "made_digest", "probes", "output", "asked")    # do not change the flow
-LAST = ("end_time", "title")    # what labels name only where nothing else distinguishes two cases
-MOST = 3    # fields of a label, unless more of them are needed
-MANY = 6    # fields that differ between two settings of one scene; scenes that differ in more have titles of their own
+LAST = ("end_time", "title")    # named only if nothing else distinguishes two cases
+MOST = 3    # fields of a label, unless more are needed
+MANY = 6    # most differing fields of one scene; if more differ, labels start with the title
 Fields = dict[str, Any]
 
 
 def labels(cases: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return what distinguishes each of several cases (dicts, as in case.json) from the others, "" where nothing does.
+    """Return a label of each of several cases (dicts, as in case.json) that tells it from the others, else "".
 
-    These are the parameters of case(...) that they were made with, such as "spacing 0.01, seed 2", if the cases have
-    them and they differ; else the fields of the cases. Cases that are alike have the same label.
+    Labels name the parameters of case(...), such as "spacing 0.01, seed 2", if these distinguish the cases, else the
+    fields of the cases. Equal cases have the same label.
     """
     given = [_parameters(case) for case in cases]
     found = _labels(given) if all(given) else []
@@ -49,7 +49,7 @@ def _parameters(case: Mapping[str, Any]) -> Fields:
 
 
 def _fields(case: Mapping[str, Any]) -> Fields:
-    """Return the values of a case that say what flows, {name with dots: value}; the numerics as they were asked for."""
+    """Return the fields of a case that affect the flow, {name with dots: value}; the numerics as the user gave them."""
     content = {name: value for name, value in case.items() if name not in ASIDE}
     if case.get("asked"):
         content["numerics"] = case["asked"]
@@ -76,7 +76,7 @@ def _key(fields: Fields, names: Sequence[str]) -> str:
 
 
 def _rank(name: str) -> tuple[int, int]:
-    """Return the place of a field among those that differ: what runs are made to compare first."""
+    """Return the sort key of a field that differs: what runs usually compare comes first."""
     leaf = name.removeprefix("numerics.")
     if leaf in FIRST:
         return 0, FIRST.index(leaf)
@@ -84,12 +84,12 @@ def _rank(name: str) -> tuple[int, int]:
 
 
 def _follows(name: str, kept: Sequence[str]) -> bool:
-    """Return whether a field differs only because another one, which is kept, does: that of another kind of thing."""
+    """Return whether a field differs only because the kind of its record does, which the label names."""
     return name in LAST or any(other.endswith("kind") and name.startswith(other.removesuffix("kind")) for other in kept)
 
 
 def _short(name: str, names: Sequence[str]) -> str:
-    """Return the end of a name that says what it is of: only the last word for numerics."""
+    """Return the shortest unique end of a name: at least one word for numerics, else two."""
     if name == "title":
         return ""
     words = name.split(".")

@@ -1,6 +1,6 @@
-"""What makes a case doubtful before it is run: waves that are not resolved, and numbers that are hardly meant.
+"""Warnings about a case before it is run: unresolved waves, and values that are probably mistakes.
 
-Each check yields one line per doubt, with field, value, limit and remedy. None of them refuses a case.
+Each check yields one line per warning, with field, value, limit and remedy. None of them refuses a case.
 """
 
 import math
@@ -23,26 +23,26 @@ from parisph.case.waves import Airy, Sloshing, SolitaryWave, StandingWave
 # {preset: length in spacings below which a standing wave with kd = pi loses 5 % of its height or more in a period}. In
 # three periods with `gentle`, H/s = .1 to 1, it loses 40 to 47 % at L/s = 6, 15 to 25 % at 8, 5 to 15 % at 10, 1 to 4 %
 # at 16, 1 to 2.4 % at 20; with `violent` 2 to 26 % at 10 with a frequency up to 1.5 % off, 7 to 15 % at 20, 2 to 9 % at
-# 40. Finer heights are no better: H/s = .1 is as good as its length.
+# 40. The height in spacings does not matter: H/s = .1 loses no more than others of its length.
 SHORTEST = {"gentle": 10.0, "solitary": 10.0, "violent": 20.0}
 # second harmonic over the first. A start without it has free waves of twice the wave number: .04, .08 and .13 of the
 # amplitude were measured where this is .04, .08 and .16 (kd = pi, start at the highest), and none at a flat start
 HARMONIC = 0.1
-# the same, from which on no linear wave lasts: heights of .91 to .97 in three periods at .6, within 1 % at .15. In deep
+# the same, above which no linear wave lasts: heights of .91 to .97 in three periods at .6, within 1 % at .15. In deep
 # water it is a height of .19 of the length, and the highest standing wave has .2 to .22
 MOST_HARMONIC = 0.3
-FURTHEST = 0.5 * math.pi    # [rad]: a greater angle of a roll is rather one in degrees
-HARDEST = 10.0      # acceleration of a tank or a wall over gravity: a greater one is rather a mistake of units
-# heights of a body that water moves past it with the numerics of waves, at most. Solitary waves over discs on the
-# bed and a box, d = .3 m: with s = .02 m forces are smooth at .9 and 1.3, and at 1.8, but there no more with .013 m.
-# They have spikes of 1.6 to 70 times their size at 1.5 (the box), 1.8, 2.5 and 3.6, and one of these runs doubles its
-# energy. Regular waves over boxes, .2 to .3, are good for 40 periods (tests/lasting)
+FURTHEST = 0.5 * math.pi    # [rad]: a greater angle of a roll is probably in degrees
+HARDEST = 10.0      # acceleration of a tank or a wall over gravity: a greater one is probably a mistake of units
+# greatest displacement of water past a body, over its height, with the numerics of waves. Solitary waves over discs on
+# the bed and a box, d = .3 m: forces are smooth at .9 and 1.3; at 1.8 with s = .02 m, but not with .013 m. They have
+# spikes of 1.6 to 70 times their size at 1.5 (the box), 1.8, 2.5 and 3.6, and one of these runs doubles its energy.
+# Regular waves over boxes, .2 to .3, run well for 40 periods (tests/lasting)
 PAST = 1.3
 THIN = 1.5          # spacings: thinner fluid is one layer of particles
 
 
 def doubts(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
-    """Yield one line for each doubt.
+    """Yield one line for each warning.
 
     waves : the sizes of the case's waves
     """
@@ -66,7 +66,7 @@ def _short(case: Scene, wave: Size) -> Iterator[str]:
 
 
 def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
-    """Waves of linear theory that start so high that the second order is missed."""
+    """Waves of linear theory that are too high to start without their second order."""
     made = {f"{name}.wave" for name, _ in fluid_names(case)}
     made |= {f"absorb[{number}].wave" for number, zone in enumerate(case.zones) if isinstance(zone, Relaxation)}
     for size in waves:
@@ -75,33 +75,33 @@ def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
             continue
         if isinstance(wave, Airy) and part > HARMONIC:
             yield (f"{size.name}: a linear wave of this height lacks its second harmonic, {part:.0%} of its amplitude, "
-                   "which goes along as a free wave; use Stokes, or StreamFunction for a long one")
+                   "which becomes a free wave; use Stokes, or StreamFunction for a long one")
         elif isinstance(wave, StandingWave) and part > MOST_HARMONIC:
             yield (f"{size.name}: it is too high for linear theory, by which its second harmonic has {part:.0%} of its "
                    f"amplitude, at most {MOST_HARMONIC:.0%}; use an amplitude of at most "
                    f"{rounded_down(0.5 * size.height * MOST_HARMONIC / part)}")
         elif isinstance(wave, StandingWave) and (missed := part * math.sin(wave.phase) ** 2) > HARMONIC:
             yield (f"{size.name}: with phase = {wave.phase:.3g} it starts raised by linear theory, without its second "
-                   f"harmonic, {missed:.0%} of its amplitude: as much goes along as free waves of twice the wave "
+                   f"harmonic, {missed:.0%} of its amplitude: as much becomes free waves of twice the wave "
                    "number; start with phase = 0, when the surface is flat and the second harmonic is least")
 
 
 def _sponges(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
-    """Zones that are shorter than the waves which come to them. Of solitary waves nothing was measured."""
+    """Zones shorter than their incoming waves. Nothing was measured for solitary waves."""
     longest = max((wave for wave in waves if not isinstance(wave.wave, (SolitaryWave, Sloshing))),
                   key=lambda wave: wave.length, default=None)
     for number, zone in enumerate(case.zones):
         own = getattr(zone, "wave", None)
         if longest is not None and zone.length < longest.length * (1.0 - 1e-6):
-            told = ("more than 2.5 % of it comes back (0.3 % from a sponge of twice its length)"
+            told = ("more than 2.5 % of it is reflected (0.3 % by a sponge of twice its length)"
                     if isinstance(zone, Sponge)
-                    else "it comes out lower" if longest.wave == own else "more than 8 % of it comes back")
+                    else "it leaves the zone lower" if longest.wave == own else "more than 8 % of it is reflected")
             yield (f"absorb[{number}]: the {zone.kind} is {zone.length:.3g} m long, and {longest.name} has a wave of "
                    f"{longest.length:.3g} m: {told}; use a length of at least {longest.length:.3g}")
 
 
 def _motions(case: Scene) -> Iterator[str]:
-    """Angles in degrees, and amplitudes in millimetres."""
+    """Angles probably in degrees, and amplitudes in millimetres."""
     named = [("frame", case.frame), *((f"walls, {name}: motion", motion_of(body)) for name, body
                                       in zip(scenery.body_names(case.bodies), case.bodies))]
     gravity = uniform_field(case.gravity)
@@ -118,7 +118,7 @@ def _motions(case: Scene) -> Iterator[str]:
 
 
 def _angle(motion: Motion, frame: bool) -> float:
-    """Return the greatest angle [rad] of a Roll that goes to and fro; a wall may turn round and round by a Series."""
+    """Return the greatest angle [rad] of a Roll that oscillates, else 0: by a Series, a wall may turn without limit."""
     if not isinstance(motion, Roll):
         return 0.0
     if isinstance(motion.amplitude, Series):
@@ -127,14 +127,14 @@ def _angle(motion: Motion, frame: bool) -> float:
 
 
 def _radians(motion: Motion) -> str:
-    assert isinstance(motion, Roll)    # it has an angle
+    assert isinstance(motion, Roll)
     if isinstance(motion.amplitude, Series):
         return "degrees, Series(..., scale=radians(1.0))"
     return f"radians({motion.amplitude!r}), {math.radians(motion.amplitude):.3g} rad"
 
 
 def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
-    """Bodies at rest past which water goes far with the numerics of waves, which fill the voids at edges too slowly."""
+    """Bodies at rest that water passes far, with the numerics of waves, which fill voids at edges too slowly."""
     if not case.numerics.resolved().wave_step:
         return
     bed = float(case.fluid_bounds[0][-1])
@@ -146,7 +146,7 @@ def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
         for wave in waves:
             top = min(float(upper[-1]), bed + wave.depth)
             high = top - max(float(lower[-1]), bed)
-            if isinstance(body, Plate):    # one that lies has no height
+            if isinstance(body, Plate):    # a level plate has no height
                 high = max(high, float((upper - lower)[0])) if high >= 0.0 else 0.0
             if high > 0.0:
                 move = _moved(wave, top - bed)
@@ -159,9 +159,9 @@ def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
 
 
 def _moved(wave: Size, y: float) -> float:
-    """Return how far [m] a wave moves water along, at a height y [m] above the bed, in half a period.
+    """Return the horizontal displacement [m] of water by a wave in half a period, at a height y [m] above the bed.
 
-    A solitary wave moves it once for all, by what the mean over the depth is.
+        A solitary wave displaces it once; the mean over the depth is returned.
     """
     if isinstance(wave.wave, SolitaryWave):
         return wave.wave.area / wave.depth

@@ -1,7 +1,7 @@
 """Expressions of position and time in a case, such as '0.1*cos(pi*x)'.
 
-Only arithmetic is allowed: the text is parsed, every node is checked against a short list, and only
-then the expression is compiled. It is therefore safe to read a stored case from anybody.
+Only arithmetic is allowed: the text is parsed, and every node is checked against a short list before the expression is
+compiled. So a stored case from anybody is safe to read.
 """
 
 import ast
@@ -40,12 +40,11 @@ def compile_expression(text: str | float, names: tuple[str, ...]) -> Callable[..
     """Compile an expression once to a numpy function.
 
     text : str or float
-    names : tuple of str, the variables that may occur, for example ("x", "y", "t")
+    names : allowed variables, for example ("x", "y", "t")
 
-    Returns:
-    function(**variables) -> float64 array of the broadcast shape of all variables given
+    Returns: function(**variables) -> float64 array of the broadcast shape of all variables given
 
-    Raises ValueError: says what is not allowed in the text, and what is allowed
+    Raises ValueError: the text contains something that is not allowed
     """
     tree = _parse(str(text), names)
     used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
@@ -56,14 +55,14 @@ def compile_expression(text: str | float, names: tuple[str, ...]) -> Callable[..
     def evaluate(**variables: float | Floats) -> Floats:
         shape = np.broadcast_shapes(*(np.shape(value) for value in variables.values()))
         local = {name: np.asarray(value, dtype=np.float64) for name, value in variables.items() if name in used}
-        with np.errstate(all="ignore"):  # a value that is not finite is reported by whoever uses it
+        with np.errstate(all="ignore"):  # callers report values that are not finite
             return np.array(np.broadcast_to(eval(code, scope, local), shape), dtype=np.float64)  # noqa: S307
 
     return evaluate
 
 
 def uniform_field(components: Sequence[str | float]) -> Floats | None:
-    """Return the values (dim,) of a vector field that is uniform and constant, else None.
+    """Return the values (dim,) of a vector field if it is uniform and constant, else None.
 
     components : numbers or expressions; those without variables count as numbers
     """
@@ -80,8 +79,7 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
     components : tuple of float or str, one for each dimension
     with_time : bool, whether t may occur
 
-    Returns:
-    function(x, t=0.0) -> a new float64 array (n, dim), for positions x (n, dim) [m] and t [s]
+    Returns: function(x, t=0.0) -> a new float64 array (n, dim), for positions x (n, dim) [m] and t [s]
 
     Raises ValueError: see compile_expression
     """
@@ -93,7 +91,7 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
     def evaluate(x: Floats, t: float = 0.0) -> Floats:
         x = np.asarray(x, dtype=np.float64)
         out = np.empty((len(x), dim))
-        if uniform is not None:    # as gravity nearly always is
+        if uniform is not None:    # as gravity usually is
             for axis, value in enumerate(uniform):    # numpy is slow along a short last axis
                 out[:, axis] = value
             return out
@@ -133,12 +131,12 @@ def _parse(text: str, names: tuple[str, ...]) -> ast.Expression:
 
 
 def _check_tree(node: ast.AST, names: tuple[str, ...], text: str, depth: int) -> None:
-    """Check a node and all below it, at most `depth` levels."""
+    """Check a node and its descendants, at most `depth` levels."""
     if depth == 0:
         raise ValueError(f"the expression {shown(text)} is nested more than {DEEPEST} levels deep")
     _check(node, names, text)
     for child in ast.iter_child_nodes(node):
-        if not (isinstance(node, ast.Call) and child is node.func):  # a function's name stands only before "("
+        if not (isinstance(node, ast.Call) and child is node.func):  # function names may only stand before "("
             _check_tree(child, names, text, depth - 1)
 
 
@@ -180,8 +178,8 @@ def _unknown_name(name: str, names: tuple[str, ...], text: str) -> str:
 class _NamedNumbers(ast.NodeTransformer):
     """Replace every number by a named float64.
 
-    float64 overflows to infinity, where Python's integers would fill the memory (9**9**9) and
-    Python's floats would raise an error in the middle of a step (1/0).
+    float64 overflows to infinity. Python's integers would fill the memory (9**9**9), and Python's floats would raise an
+    error in the middle of a step (1/0).
     """
 
     def __init__(self) -> None:
@@ -190,7 +188,7 @@ class _NamedNumbers(ast.NodeTransformer):
     def visit_Constant(self, node: ast.Constant) -> ast.Name:
         name = f"_{len(self.values)}"
         try:
-            self.values[name] = np.float64(cast(float, node.value))    # as _check has made sure
+            self.values[name] = np.float64(cast(float, node.value))    # checked by _check
         except OverflowError:
             self.values[name] = np.float64("inf")
         return ast.copy_location(ast.Name(id=name, ctx=ast.Load()), node)

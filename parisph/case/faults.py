@@ -1,4 +1,4 @@
-"""What is wrong with a case, in plain words: one line for each problem that pydantic finds."""
+"""Messages about a case: one line in plain words for each problem that pydantic finds."""
 
 import difflib
 import typing
@@ -10,14 +10,14 @@ from pydantic import BaseModel, ValidationError
 from parisph.base.text import shown
 from parisph.case.described import given
 
-MOST_LINES = 10     # of problems in one message
-PLAIN = {           # pydantic's words for what a value must be are those of programmers
+MOST_LINES = 10     # problems in one message
+PLAIN = {           # replaces pydantic's programmers' terms
     "string_type": "a text", "tuple_type": "several values, as in (1, 2)", "bool_type": "True or False",
     "float_type": "a number", "int_type": "a whole number", "int_from_float": "a whole number",
 }
 SHAPES = ("Box", "Disc", "Polygon", "Tank")
 BODIES = ("Obstacle", "Plate", "Profile", "Tank", "Piston", "Flap")
-# What is asked for in other codes: (classes, words, what there is in its place)
+# Field names of other codes: (classes, names, what parisph has instead)
 MEANT = (
     ((*SHAPES, *BODIES, "Case", "Fluid"), ("depth", "breadth", "thickness", "dim", "z"),
      "scenes are 2D, x across and y up, and forces are per metre of breadth"),
@@ -37,7 +37,7 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
     lines: dict[tuple[str, bool], str] = {}
     unknown: dict[type[BaseModel], list[str]] = {}
     for item in error.errors(include_url=False):
-        # A value that may be of several types fails once for each of them; the first says enough.
+        # A value of a union fails once for each member; the first message is enough.
         place, owner, _ = _follow(model, item["loc"])
         if item["type"] == "extra_forbidden":
             unknown.setdefault(owner, []).append(str(item["loc"][-1]))
@@ -47,7 +47,7 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def first_lines(problems: Sequence[str]) -> str:
-    """Return problems as text, one line each; of many, the first ones and how many there are."""
+    """Return problems as text, one line each; of many, the first ones and the number of the others."""
     left = len(problems) - MOST_LINES
     return "\n".join([*problems[:MOST_LINES], *([f"and {left:,} more problems like these"] if left > 0 else [])])
 
@@ -56,7 +56,7 @@ def _line(item: Mapping[str, Any], model: type[BaseModel]) -> str:
     """Return one problem in plain words: field, value, limit and remedy."""
     kind, given, context = item["type"], item.get("input"), item.get("ctx", {})
     place, owner, name = _follow(model, item["loc"])
-    if kind == "value_error":  # our own message, which may have several lines
+    if kind == "value_error":  # a message of parisph, possibly of several lines
         return "\n".join(f"{place}: {line}" if item["loc"] else line for line in str(context["error"]).split("\n"))
     if kind == "values":
         return "\n".join(f"{place}.{name}{inside} = {value}: must be {limit}{_meaning(context['owner'], name)}"
@@ -70,7 +70,7 @@ def _line(item: Mapping[str, Any], model: type[BaseModel]) -> str:
 
 
 def _meaning(owner: type[BaseModel], name: Any) -> str:
-    """Return what a field means, in brackets, or nothing."""
+    """Return the description of a field in brackets, or ""."""
     meaning = owner.model_fields[name].description if name in owner.model_fields else None
     return f" ({meaning})" if meaning else ""
 
@@ -93,7 +93,7 @@ def _limit(item: Mapping[str, Any], context: Mapping[str, Any]) -> str:
 
 
 def _unknown_fields(owner: type[BaseModel], names: Sequence[str]) -> str:
-    """Return what is wrong with names that are no fields of a record, and what it has in their place."""
+    """Return the message about names that are not fields of a record, with what it has instead."""
     known = list(given(owner))
     wrong, meant, hints = list(dict.fromkeys(names)), [], []
     for name in wrong:
@@ -111,8 +111,8 @@ def _unknown_fields(owner: type[BaseModel], names: Sequence[str]) -> str:
 def _follow(model: type[BaseModel], loc: Sequence[str | int]) -> tuple[str, type[BaseModel], Any]:
     """Follow a pydantic location through the records.
 
-    Returns the place as text, such as Case.probes[0].at; the record class that owns the last field;
-    and the name of that field. Pydantic's names of union members are left out: they do not help users.
+    Return the place as text, such as Case.probes[0].at, the record class that owns the last field, and the name of that
+    field. Pydantic's names of union members are left out: they do not help users.
     """
     place, owner, name, inside = model.__name__, model, None, [model]
     for part in loc:
@@ -137,7 +137,7 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
     """Yield the record classes that an annotation mentions."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
-        for derived in annotation.__subclasses__():    # a Probe is one of any kind
+        for derived in annotation.__subclasses__():    # as of Probe
             yield from _models_in(derived)
     for part in typing.get_args(annotation):
         yield from _models_in(part)

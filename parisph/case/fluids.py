@@ -1,4 +1,4 @@
-"""Bodies of fluid, and how they start."""
+"""Bodies of fluid and their start."""
 
 from typing import Annotated, Union
 
@@ -13,9 +13,9 @@ from parisph.case.model import Model, Several
 from parisph.case.shapes import Box, Disc, Polygon, Shape
 from parisph.case.waves import AnyWave
 
-NEAR = 0.5         # spacings over which differences are taken to both sides: a jump has the vorticity of its spacing
-ROUNDING = 1e-4    # part of a velocity: a smaller change over a length is none
-LEFT = 0.1         # part of a vorticity that finer differences must leave of it: else it is their error
+NEAR = 0.5         # spacings to both sides for differences: a jump has the vorticity of one spacing
+ROUNDING = 1e-4    # of a velocity: a smaller change over a length counts as none
+LEFT = 0.1         # of a vorticity: finer differences must keep more of it, or it counts as their error
 
 Number = Union[float, str]  # a number, or an expression of position
 
@@ -25,17 +25,16 @@ FluidShape = Annotated[Union[Box, Disc, Polygon, StillWater],
 
 
 class Fluid(Model):
-    """A body of one fluid and how it starts.
+    """A body of fluid and its start.
 
     shape : Box, Disc, Polygon or StillWater; parts of it that lie in or behind walls are left out
     density : [kg/m3]
     velocity : components [m/s], numbers or expressions of x, y
     elevation : None, or the height of the free surface above the top of a Box or the level of StillWater [m], a
-        number or an expression of x; the columns of particles are stretched linearly to reach it, those of
-        StillWater are moved up
-    wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0, in place of these two; the
-        top of the Box is its still surface, and the Box is as high as the wave's water is deep. Of StillWater, the
-        wave's depth is that at the deepest place
+        number or an expression of x; columns of a Box are stretched linearly to it, those of StillWater are moved up
+    wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0 instead of these two; the
+        top of the Box is its still surface, and its height is the wave's depth. StillWater has this depth at its
+        deepest place
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
 
@@ -94,8 +93,8 @@ class Fluid(Model):
 
         length : [m], over which the velocity varies little
 
-        By central differences. Where a velocity is not known beside a point, it counts as 0, and so does what may be an
-        error of rounding or of the differences: what those over half the length, extrapolated, leave of it.
+        By central differences. It counts as 0 where a velocity beside a point is not known, and where it may be an
+        error of rounding or of the differences: if differences over half the length, extrapolated, are far smaller.
         """
         if self.wave is not None:
             return np.zeros(len(x))

@@ -1,4 +1,4 @@
-"""Friction of turbulent flow on walls along which fluid slips."""
+"""Friction of turbulent flow on free-slip walls."""
 
 from pydantic import Field, model_validator
 
@@ -6,15 +6,15 @@ from parisph.case.model import Model
 
 
 class Friction(Model):
-    """Friction on all walls along which fluid slips, by a law of the wall.
+    """Friction on all free-slip walls, by a law of the wall.
 
-    At sea and in flumes the layer in which a wall slows water down is turbulent, and thinner than a particle. The
-    stress follows from the velocity u of a particle along the wall and its distance y: for smooth walls from u+ = y+
-    or u+ = 8.3 y+^(1/7) (Werner & Wengle 1993), for rough ones from u+ = ln(y/k)/.41 + 8.5 (Nikuradse 1933), whichever
-    gives the larger stress. Viscous fluid beside walls that it sticks to needs none of this.
+    At sea and in flumes, boundary layers are turbulent and thinner than a particle. The stress follows from the
+    velocity u of a particle along the wall and its distance y: for smooth walls from u+ = y+ or u+ = 8.3 y+^(1/7)
+    (Werner & Wengle 1993), for rough ones from u+ = ln(y/k)/.41 + 8.5 (Nikuradse 1933), whichever gives the larger
+    stress. No-slip walls need no such law.
 
     The power law is within a tenth of the logarithmic one up to y+ = 1e3, and gives six tenths of its stress at 1e5.
-    There is no transition from smooth to rough, and a particle nearer to the wall than k feels what it would at k.
+    There is no transition from smooth to rough. For a particle nearer to the wall than k, y is k.
 
     viscosity : kinematic, of the fluid [m2/s]; 0 for the friction of roughness alone
     roughness : height k of sand grains that would give the same friction [m], at most the spacing

@@ -1,7 +1,7 @@
-"""The lattice that a body of fluid, and the walls of a tank, start on. It works in any number of dimensions.
+"""The lattice on which a body of fluid and the walls of a tank start, in any number of dimensions.
 
-In a tank the lattice begins at the tank's lower corner. So wall particles lie on the wall, and fluid at s, 2s, ... from
-it. Without a tank the lattice begins at the lower corner of a Box or Polygon, and has a point at the centre of a Disc.
+In a tank it begins at the tank's lower corner, so wall particles lie on the wall and fluid at s, 2s, ... from it.
+Without a tank it begins at the lower corner of a Box or Polygon, and has a point at the centre of a Disc.
 """
 
 import numpy as np
@@ -9,8 +9,8 @@ import numpy as np
 from parisph.base.arrays import Floats, Ints
 from parisph.case.shapes import Box, Disc, Polygon, Tank
 
-FIT = 1e-3      # a length fits if it is a whole number of spacings within this part of one spacing
-STRETCH = 0.15  # of a spacing, by which the step along one axis may make up for that along another
+FIT = 1e-3      # spacings: tolerance for a length of a whole number of spacings
+STRETCH = 0.15  # of a spacing: limit of the change of a step that makes up for another axis
 
 
 class Lattice:
@@ -21,8 +21,8 @@ class Lattice:
 
     Attributes:
     origin, step : (dim,) [m]
-    first, counts : (dim,) int64, least index and number of points of the smallest block that holds the fluid
-    top : (dim,) int64 index of the tank's far corner, or None without a tank
+    first, counts : (dim,) int64, least index and number of points of the smallest block around the fluid
+    top : (dim,) int64 index of the tank's far corner; only with a tank
     """
 
     def __init__(self, shape: Box | Disc | Polygon, tank: Tank | None, spacing: float) -> None:
@@ -40,7 +40,7 @@ class Lattice:
             self.step = even_steps(size, spacing) if tank is None else whole
         self.first: Ints = np.ceil((lower - self.origin - tolerance) / self.step).astype(np.int64)
         last = np.floor((upper - self.origin + tolerance) / self.step).astype(np.int64)
-        # for each axis whether the tank has a wall at its upper end
+        # per axis: whether the tank has a wall at its upper end
         self._closed_above = np.array([True] * (len(lower) - 1) + [tank is not None and tank.closed], dtype=bool)
         if tank is not None:  # the walls, and the open top's rim, belong to the wall particles
             self.top: Ints = np.round(tank.size / self.step).astype(np.int64)
@@ -55,8 +55,8 @@ class Lattice:
     def wall_indices(self) -> tuple[Ints, Ints]:
         """Return the indices (n, dim) of the points on the walls of the tank, in order, and their face sums (n, dim).
 
-        The face sum adds the inward unit vectors of all walls that a point lies on: two of them in a corner. The rim of
-        an open tank belongs to the side walls alone.
+        The face sum adds the inward unit vectors of all walls on which a point lies: two in a corner. The rim of an
+        open tank belongs to the side walls alone.
         """
         shape, closed, faces = tuple(self.top + 1), self._closed_above, []
         for axis, upper in enumerate(closed):
@@ -76,11 +76,11 @@ def misfit(length: float, spacing: float) -> float:
 def even_steps(size: Floats, spacing: float) -> Floats:
     """Return the steps (dim,) [m] that divide a box of a size (dim,) [m] into cells of about spacing^dim [m^dim].
 
-    The shortest side is divided first, into the nearest whole number of spacings. The others make up for that, as far
-    as their steps stay near the spacing: smaller cells would be compressed fluid, which expands as soon as it moves.
+    The shortest side is divided first, into the nearest whole number of spacings. The others make up for it within
+    STRETCH: smaller cells would be compressed fluid, which expands as soon as it moves.
     """
     step: Floats = np.full(len(size), spacing)
-    free = 1.0      # what the sides divided so far lack of a cell of the spacing
+    free = 1.0      # spacing over step, product over the sides divided so far
     for done, axis in enumerate(np.argsort(size, kind="stable")):
         left = len(size) - done
         near = spacing * min(max(free ** (1.0 / left), 1.0 - STRETCH), 1.0 + STRETCH)

@@ -1,4 +1,4 @@
-"""Find a case file and call its function `case` with the values of --set. Errors name file and line."""
+"""Find a case file and call its function `case` with the values of --set. Errors give file and line."""
 
 import difflib
 import functools
@@ -35,8 +35,7 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
         case.json of a run
     sets : dict of parameter values, or a list of texts "name=value"
 
-    Raises:
-    CaseError : the file, a parameter or the case itself is wrong; says where and what to do. Any exception in the
+    Raises CaseError: the file, a parameter or the case is wrong. Any exception in the
         code of the case file (also SystemExit, but not KeyboardInterrupt) becomes a CaseError.
     """
     file = _find(path)
@@ -49,7 +48,7 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
     values = {**{name: item.default for name, item in inspect.signature(function).parameters.items()}, **given}
     try:
-        came = origin.of_file(file, path, values, given)    # before the function runs, which may take long
+        came = origin.of_file(file, path, values, given)    # before the function runs: it may take long
     except OSError as error:
         raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
     with beside(file):
@@ -60,7 +59,7 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
 
 
 def arguments(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> dict[str, Any]:
-    """Return {name: value}: all parameters of a case file, with what `load` passes for them. Raises CaseError.
+    """Return {name: value} of all parameters of a case file, as `load` passes them. Raises CaseError.
 
     path, sets : as of `load`; a stored case has no parameters
     """
@@ -110,7 +109,7 @@ def _stored(file: Path, path: AnyPath) -> Case:
 
 
 def register_parts(path: AnyPath) -> None:
-    """Run a Python file that registers parts of methods; a case file may be one. Do it on every rank.
+    """Run a Python file that registers parts of methods, such as a case file. Call it on every rank.
 
     Raises CaseError: the file cannot be read, or raises an error.
     """
@@ -163,7 +162,7 @@ def _as_dict(sets: Mapping[str, Any] | Sequence[str]) -> dict[str, Any]:
 
 
 def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -> Any:
-    """Return a --set value in the type of the parameter it is for."""
+    """Return a --set value in the type of its parameter."""
     known = inspect.signature(function).parameters
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
@@ -176,7 +175,7 @@ def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -
     hint = _hints(function).get(name)
     default = known[name].default
     wanted = hint if hint is not None else type(default)
-    if name in WORDS and value.lower() in vocabulary.known(WORDS[name]):    # one of them is "none"
+    if name in WORDS and value.lower() in vocabulary.known(WORDS[name]):    # such as "none"
         return value.lower()
     try:
         return _convert(value, wanted)
@@ -226,7 +225,7 @@ def _convert(text: str, wanted: Any) -> Any:
 
 
 def _first(text: str, kinds: Sequence[Any]) -> Any:
-    """Convert to the first type that accepts the text; str comes last, because it accepts any text."""
+    """Convert to the first type that accepts the text; str comes last, as it accepts any text."""
     problem: Exception | None = None
     for kind in sorted(kinds, key=lambda item: item is str):
         try:
@@ -249,7 +248,7 @@ def _type_name(wanted: Any) -> str:
 
 
 def _with_truths(case: Case, folder: Path) -> Case:
-    """Return the case with the probes' reference files made absolute, each of them read once as a check."""
+    """Return the case with absolute paths of the probes' reference files, each read once as a check."""
     probes = []
     for probe in case.probes:
         if isinstance(probe.truth, (Truth, Profiles)):
@@ -263,7 +262,7 @@ def _with_truths(case: Case, folder: Path) -> Case:
 
 
 def _read(truth: InFile, folder: Path) -> InFile:
-    """Return a truth whose files, and those of the others beside it, are absolute, after reading them as a check."""
+    """Return a truth with absolute paths, its `others` too, after reading the files as a check."""
     truth = truth.model_copy(update={"file": _absolute(truth.file, folder)})
     if isinstance(truth, Truth):
         read_truth(truth)
@@ -275,5 +274,5 @@ def _read(truth: InFile, folder: Path) -> InFile:
 def _absolute(file: str, folder: Path) -> str:
     try:
         return str(paths.checked(folder / file, "truth.file").resolve())
-    except (OSError, RuntimeError) as error:    # links in a circle
+    except (OSError, RuntimeError) as error:    # circular links
         raise CaseError(f"truth.file = {shown(file)}: {of_error(error)}") from None

@@ -1,4 +1,4 @@
-"""Paths of measured data of others, which parisph does not contain.
+"""Paths of published measurements that parisph does not contain.
 
 The folder is a case's parameter `data`, else the environment variable PARISPH_MEASURED, else
 `shared/reference/measured` beside the clone.
@@ -19,20 +19,20 @@ BESIDE = "../../shared/reference/measured"    # from the folder of a case file, 
 def measured(file: str, data: str = "") -> str | None:
     """Return the path of a file of measured data, else log a warning and return None. Not collective.
 
-    file : its name; data : the folder that the user has given, "" for none
-    Raises CaseError if the file is not in a folder that the user has given.
+    file : its name; data : folder given by the user, or ""
+    Raises CaseError if the user gave a folder without the file.
     """
     path = _folder(data) / paths.checked(file, "file")
     if path.is_file():
         return str(path.resolve())
     if data:
         raise CaseError(f"data = {named(data)}: there is no {named(file)} in it")
-    logger.warning(f"there is no {named(path)}: what is compared with it has no truth ({_remedy()})")
+    logger.warning(f"there is no {named(path)}: nothing is compared with it ({_remedy()})")
     return None
 
 
 def needed(file: str, what: str, data: str = "") -> str:
-    """Return the path of a file that a case cannot do without. Raises CaseError if it is missing.
+    """Return the path of a file that a case needs. Raises CaseError if it is missing.
 
     what : name of the data, for the message
     """

@@ -1,4 +1,4 @@
-"""The methods that a case can name: each is a record of the parts it is made of."""
+"""The methods that a case can name: each is a record of its parts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,13 +10,13 @@ from parisph.case.presets import USUAL, WITHOUT_FILMS
 
 @dataclass(frozen=True)
 class Method:
-    """A method: words for its parts, and numbers that replace those of the preset.
+    """A method: names of its parts, and numbers that replace those of the preset.
 
-    name : the word of a case
+    name : as in a case
     source : paper and equation, such as "Z14 Eq 23" (Zheng, Ma & Duan 2014; Z17 is Zheng et al. 2017)
-    values : {field of Numerics: value} that the method sets, unless the case does
+    values : {field of Numerics: value}, defaults that the method sets
     step : "projection", or "compressible" for weakly compressible SPH
-    warning : what a user must know before running it, or ""
+    warning : shown to the user before a run, or ""
     """
 
     name: str
@@ -29,9 +29,9 @@ class Method:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
 
-# What both papers have in common: no filter, no films, no shift, no second solve, p = 0 at surface particles. The
-# papers do not say how div u* is found for rows other than those of ISPH_R. With the nodal form of the gradient's
-# stencils, water at rest leaves the tank within half a second.
+# Common to both papers: no filter, no films, no shift, no second solve, p = 0 at surface particles. The papers do not
+# define div u* for rows other than those of ISPH_R. With the nodal form of the gradient's stencils, water at rest
+# leaves the tank within half a second.
 _PAPER = {
     "divergence": "flux", "wall_guard": 0.25, "gradient": "sfdi", "surface_gradient": "same", "wall_rows": "sfdi",
     "surface_rule": "auxiliary",
@@ -44,8 +44,8 @@ _DENSITY = ("with these settings, water at rest on disordered particles begins t
 _Z14 = {**_PAPER, "zeta": 0.9, "gamma": 0.1}
 _Z17 = {**_PAPER, "laplacian": "sph", "zeta": 0.99, "gamma": 0.01}
 
-# Rows that are not exact for linear pressure grow an error of rounding, within thousands of steps, beside a harmonic
-# gradient at the surface.
+# Rows that are not exact for linear pressure, with a harmonic gradient at the surface, let errors of rounding grow
+# within thousands of steps.
 METHODS = {
     method.name: method
     for method in (
@@ -81,7 +81,7 @@ METHODS = {
 
 
 def register(method: Method) -> Method:
-    """Add a method from outside the package, and return it. Do it on every rank.
+    """Add a method from outside the package, and return it. Call it on every rank.
 
     Raises ValueError if another method has this name.
     """

@@ -29,7 +29,7 @@ class Model(BaseModel, metaclass=Described):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True,
-                              defer_build=True)    # a start uses few of all records
+                              defer_build=True)    # a run uses few of all records
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         names = list(given(type(self)))
@@ -47,8 +47,7 @@ class Model(BaseModel, metaclass=Described):
         except ValidationError as error:
             raise CaseError(explain(error, type(self))) from None
 
-    # Without this mark pydantic would also call __init__ for nested records, and lose the place of an
-    # error inside a stored case.
+    # Without this mark pydantic calls __init__ for nested records, and loses the place of an error in a stored case.
     setattr(__init__, "__pydantic_base_init__", True)
 
     @model_validator(mode="before")
@@ -56,7 +55,7 @@ class Model(BaseModel, metaclass=Described):
     def _values_of_their_kind(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        # as text: pydantic cannot carry an integer of thousands of digits
+        # as text: pydantic cannot pass on an integer of thousands of digits
         found = [(name, place, shown(value), limit)
                  for name, place, value, limit in values.faults(cls.model_fields, data)]
         if found:

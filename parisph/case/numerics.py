@@ -1,4 +1,4 @@
-"""How a scene is computed and what is written: method, resolution, time step, output."""
+"""Numerics and output of a case: method, resolution, time step, files."""
 
 from collections.abc import Iterable
 from typing import Annotated, Literal
@@ -15,7 +15,7 @@ from parisph.case.presets import PRESETS
 Fraction = Annotated[float | None, Field(ge=0, le=1)]
 Distance = Annotated[float | None, Field(ge=0, le=2, description="a distance in particle spacings, 0 to 2")]
 
-# Fields that hold the word of a part, and those that hold several; by the kind of part (base.vocabulary).
+# {field: kind of part (base.vocabulary)} of fields with the name of one part, and with several.
 WORDS = {name: name for name in ("laplacian", "divergence", "gradient", "surface_gradient", "wall_rows", "surface_rule",
                                  "source", "stepping")}
 LISTS = {"forces": "force", "regularisers": "regulariser"}
@@ -26,42 +26,39 @@ class Numerics(Model):
 
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
-    time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
-        `fall` (over sqrt(l/a), with s for l or the twentieth part of the fluid's thickness if that is more, and with
-        1.5 times the largest acceleration of the fluid for a, at most the body force, or 1.25 times the root of its
-        mean square if that is more; and where it is not 0, a step strains the fluid by no
-        more than 1.5 % in the mean; these two make it no shorter than the fastest fluid takes for a tenth of a
-        spacing), of at most a fiftieth of the period of a Sway
-    wave_step : largest adaptive step of waves over sqrt(s/g), the time scale of the shortest ones on the lattice; where
-        it is not 0, a step strains the fluid by no more than .7 % in the mean, by the largest strain of the last waves;
-        0 for neither limit
+    time_step : fixed time step [s]; None for an adaptive one, see methods.timestep: it is limited by `cfl` (largest
+        move in a step, in s), by `fall` and by `wave_step`, and is at most a fiftieth of the period of a Sway
+    fall : largest adaptive step over sqrt(l/a). l is s, or a twentieth of the thickness of the fluid if that is more; a
+        is 1.5 times the largest acceleration of the fluid, at most the body force, or 1.25 times its root mean square
+        if that is more. If it is not 0, a step strains the fluid by at most 1.5 % in the mean. These two limits are at
+        least the time in which the fastest fluid moves a tenth of a spacing
+    wave_step : largest adaptive step of waves over sqrt(s/g), the time scale of the shortest ones on the lattice. If it
+        is not 0, a step strains the fluid by at most .7 % in the mean, by the largest strain of the last waves
     max_time_step : upper limit of an adaptive step [s]
-    zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
+    zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 to use zeta
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
-    residual_strain : part of the divergence left by earlier steps that a step removes, over dt sqrt(2 G:G) with
+    residual_strain : part of the residual divergence of earlier steps that a step removes, over dt sqrt(2 G:G) with
         G = grad u, or over dt sqrt(g/s) if that is more; at most all of it; 0 for all in every step
-    volume_time : time over which the volume is given back that the residual divergence of earlier steps has made, over
-        sqrt(s/g); 0 for never
+    volume_time : time over sqrt(s/g) in which steps give back the volume that residual divergence has made; 0 for never
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : greatest weights of the position projection and of the Fick shift
     smagorinsky : C_s of Smagorinsky's eddy viscosity (C_s s)^2 sqrt(2 S:S), 0 for none
-    filter : greatest fraction of the velocity's roughness that is removed in a step, and the rate over sqrt(a/s) at
-        which what is beyond a potential flow is, with the acceleration a by pressure
-    kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up
-        to the greatest; 0 for the greatest in every step
+    filter : greatest fraction of the velocity's roughness that a step removes; also the rate over sqrt(a/s) at which
+        the part of the velocity beyond a potential flow is removed, with the acceleration a by pressure
+    kappa_strain, shift_strain, filter_strain : these weights over the strain of a step, dt sqrt(2 S:S), up to the
+        greatest; 0 for the greatest in every step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
     laplacian, divergence, gradient, surface_gradient, wall_rows, surface_rule, source, stepping, forces, regularisers :
-        names of the parts of a step, if they are not to be those of the method and the preset (base.vocabulary lists
-        them)
-    surface_offset : distance from a surface particle that stands for a full cell out to p = 0, over that of the last
-        two layers (one spacing where the flow has not stretched them); 0 for p = 0 at particles
-    pressure_mean : over how many times the shortest time that particles resolve (methods.timestep), twice, probes of
-        pressure take means, if steps are shorter than that; 0 for means over the steps around alone
+        names of the parts of a step, in place of those of the method and the preset (see base.vocabulary)
+    surface_offset : distance of p = 0 beyond a surface particle with a full cell, over the distance of the last two
+        layers (one spacing where the flow has not stretched them); 0 for p = 0 at particles
+    pressure_mean : half the time over which pressure probes take means, over the shortest time that particles resolve
+        (methods.timestep), if steps are shorter; 0 for means over adjacent steps only
     rtol : relative tolerance of the pressure solve
     equation_of_state, sound_speed, artificial_viscosity, xsph : of the method SPH alone (Z14 Eqs 3, 8, 9); the speed of
-        sound [m/s] is by default ten times the fastest fluid that the scene lets expect
-    jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
-        Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
+        sound [m/s] is by default ten times the expected largest speed
+    jitter : k of a start displacement s k (Rn - 1/2) of fluid particles in each direction, Rn uniform in [0, 1) (Z17
+        Sec. 4); of particles on the free surface only if jitter_surface
     seed : seed of the jitter
 
     >>> Numerics(spacing=0.02).resolved().cfl    # from the preset "violent"
@@ -143,7 +140,7 @@ class Numerics(Model):
     @field_validator(*WORDS)
     @classmethod
     def _known_part(cls, word: str | None, info: ValidationInfo) -> str | None:
-        if word is None or info.context:    # a run that is only looked at may have parts that are not here
+        if word is None or info.context:    # a run opened only for reading may have unknown parts
             return word
         field = str(info.field_name)
         return _known(field, word, vocabulary.known(WORDS[field]))
@@ -182,14 +179,14 @@ class Numerics(Model):
         if self.zeta is not None:
             missing["zeta_time"] = 0.0
         elif self.zeta_time:
-            missing.pop("zeta", None)  # it follows from the time step
+            missing.pop("zeta", None)  # follows from the time step
         return ResolvedNumerics.model_construct(self.model_fields_set | missing.keys(), **{**vars(self), **missing})
 
 
 class ResolvedNumerics(Numerics):
-    """Numerics in which every value is set that has no meaning of its own when it is None: see Numerics.resolved.
+    """Numerics without None where None means "from the method or preset": see Numerics.resolved.
 
-    `zeta` is None where it follows from zeta_time.
+    `zeta` is None if it follows from zeta_time.
     """
 
     cfl: float = Field(kw_only=True)
@@ -227,14 +224,12 @@ class ResolvedNumerics(Numerics):
 class Output(Model):
     """What is written and when. Snapshots of the start and the end of a run are always written.
 
-    every : time between snapshots [s]; each is of the end of the step that is nearest, and says its own time: what is
-        written changes no step
+    every : time between snapshots [s]; each is of the end of the nearest step, so output changes no step
     times : further times of snapshots [s], likewise
     fields : names of the particle fields in snapshots
-    checkpoint_every : simulated time between checkpoints [s], None for one at the end only
+    checkpoint_every : simulated time between checkpoints [s], None for only one at the end
     probe_every : steps between samples of the probes
-    probe_interval : time between samples of the probes [s], instead of `probe_every`; samples have exactly these
-        times, interpolated linearly in time between steps
+    probe_interval : time between samples of the probes [s], instead of `probe_every`; with linear interpolation
     budget : whether steps.csv also has the energy that the fluid gained by each part of the step
 
     >>> Output(every=0.05, times=(0.012,), fields=("u", "p"), probe_interval=0.001).fields

@@ -1,4 +1,4 @@
-"""Where a case is from: its file, and the values of the parameters of its function. It is no part of the case."""
+"""The origin of a case: its file, and the parameters of its function. It is not a part of the case."""
 
 import hashlib
 from collections.abc import Mapping
@@ -14,8 +14,7 @@ PLAIN = (bool, int, float, str, type(None))
 
 
 class Origin(dict[str, Any]):
-    """What is known of the origin of a case, by name, as JSON can hold it. Equal to any other: cases are compared
-    without it."""
+    """The origin of a case as JSON-ready values, by name. All are equal, so comparisons of cases ignore it."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Origin)
@@ -27,7 +26,7 @@ class Origin(dict[str, Any]):
 def of_file(file: Path, path: AnyPath, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> Origin:
     """Return the Origin of a case that a Python file describes. Raises OSError.
 
-    path : the file as the user named it; parameters : all of its function; given : of these, those that were set
+    path : the file as the user named it; parameters : of its function; given : those that the user set
     """
     return Origin(case_file=named(path), case_digest=_digest(file),
                   parameters={name: _plain(value) for name, value in parameters.items()}, given=sorted(given))
@@ -36,7 +35,7 @@ def of_file(file: Path, path: AnyPath, parameters: Mapping[str, Any], given: Map
 def of_stored(file: Path, path: AnyPath, content: Mapping[str, Any]) -> Origin:
     """Return the Origin of the case of an earlier run. Raises OSError.
 
-    content : of its case.json, in which everything may be edited
+    content : of its case.json, which users may have edited
     """
     run, made = content.get("run"), content.get(MADE)
     made = made if isinstance(made, dict) else {}
@@ -52,7 +51,7 @@ def _digest(file: Path) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of a parameter as JSON can hold it: other objects as text, also nan and inf, which it lacks."""
+    """Return a value of a parameter that JSON can store: other objects, and nan and inf, as text."""
     if isinstance(value, (tuple, list)):
         return [_plain(item) for item in value]
     return value if type(value) in PLAIN and not (isinstance(value, float) and not isfinite(value)) else shown(value)

@@ -1,10 +1,10 @@
-"""The presets: one dictionary of words and numbers for each kind of flow."""
+"""The presets: a dictionary of names and numbers for each kind of flow."""
 
 from typing import Any
 
 WITHOUT_FILMS = ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart")
 
-# What every scene has unless its method or the case says otherwise.
+# Defaults of all presets.
 USUAL: dict[str, Any] = {
     "divergence": "flux",
     "source": "mixed",
@@ -21,8 +21,8 @@ USUAL: dict[str, Any] = {
     "wall_guard": 0.25,      # tuned 0.125 to 0.5: distance from a wall that particles keep, in spacings; judged
 }
 
-# Waves that do not break. The wall guard changes no wave; without it, a surface particle that goes up and down beside a
-# wall passes it in the end.
+# Waves that do not break. The wall guard changes no wave. Without it, a surface particle that moves up and down beside
+# a wall finally passes through it.
 _GENTLE: dict[str, Any] = {
     **USUAL,
     "regularisers": ("irrotational", "collisions", "wall_guard", "fill_voids", "shift_even"),
@@ -32,7 +32,7 @@ _GENTLE: dict[str, Any] = {
     "residual_strain": 0.0,
     "volume_time": 10.0,    # tuned 5 to 20: time over sqrt(s/g) that gives volume back; measured
     # With half of these, surface particles crowd before a flap, and pairs of them end a run: H/d = .1, d/s = 16, in
-    # period 26, with these none is closer than .56 s in 40. A standing wave loses no more by it.
+    # period 26. With these, none is closer than .56 s in 40 periods. A standing wave loses no more height.
     "shift": 0.4,    # tuned 0.2 to 0.8: greatest weight of the even shift; measured
     "shift_strain": 56.0,    # tuned 28 to 112: weight of the even shift over the strain of a step; measured
     "filter": 0.5,    # tuned 0.25 to 1: part of the roughness that is removed over sqrt(s/a); measured
@@ -71,10 +71,10 @@ PRESETS: dict[str, dict[str, Any]] = {
         "rtol": 1e-5,    # tuned 5e-6 to 2e-5: of the pressure solve; measured
     },
     # A closed tank full of viscous fluid: only positions are regularised, by a shift in proportion to strain. A
-    # position projection would keep cells more equal, but takes a quarter of the energy of the flow in a cavity at
-    # Re = 400. Fluid without viscosity gains energy, as velocities do not follow the shift: a vortex of 20 x 20
-    # particles 26 % in 5 s. With the corrected gradient, errors of u and v in the cavity are 1.9 and 0.9 % with 40 x 40
-    # particles, else 2.1 and 1.1 %.
+    # position projection would make cells more equal, but takes a quarter of the energy of the flow in a cavity at
+    # Re = 400. Inviscid fluid gains energy, as velocities do not follow the shift: a vortex of 20 x 20 particles 26 %
+    # in 5 s. With the corrected gradient, errors of u and v in the cavity are 1.9 and 0.9 % with 40 x 40 particles,
+    # else 2.1 and 1.1 %.
     "closed": {
         **USUAL,
         "regularisers": ("wall_guard", "projection", "parting", "shift_tensile", "keep_apart"),
@@ -100,12 +100,12 @@ PRESETS: dict[str, dict[str, Any]] = {
         "rtol": 1e-6,
     },
     "gentle": _GENTLE,
-    "solitary": _GENTLE,    # another name, of older cases
+    "solitary": _GENTLE,    # name in older cases
 }
 
-# A closed tank full of fluid has no free surface, beside which stencils are one-sided: far weaker regularisation keeps
-# it regular, and a vortex its energy. Nothing moves in a full tank that is only shaken but for what the solver leaves.
-# These replace the values of the violent preset there.
+# Values of the violent preset in a full tank with a lid. Without a free surface, where stencils are one-sided, weaker
+# regularisation keeps particles regular, and a vortex keeps its energy. If the tank only translates, fluid in it moves
+# by the error of the solver alone.
 CLOSED = {
     "regularisers": USUAL["regularisers"],
     "surface_rule": "none",
@@ -121,6 +121,6 @@ CLOSED = {
 
 
 def preset_values(preset: str, closed: bool) -> dict[str, Any]:
-    """Return the numbers of a preset; closed: whether the fluid fills a closed tank."""
+    """Return the values of a preset; closed : whether the fluid fills a tank with a lid."""
     own = CLOSED if preset == "violent" else {"surface_rule": CLOSED["surface_rule"]}
     return {**PRESETS[preset], **(own if closed else {})}

@@ -12,7 +12,7 @@ Points = Sequence[Sequence[float]]
 
 
 def inside(case: Scene, field: str, points: Points) -> Iterator[str]:
-    """One of the points must lie between the walls; above them there may be water unless there is a lid."""
+    """At least one of the points must lie within the walls, or above them if there is no lid."""
     if case.wall_bounds is None:
         return
     (low, high), x = case.wall_bounds, np.array(points, dtype=float)
@@ -31,7 +31,7 @@ def components(case: Scene, **points: Sequence[float]) -> Iterator[str]:
 
 
 def line(case: Scene, start: Sequence[float], end: Sequence[float]) -> Iterator[str]:
-    """The ends of a line must be two points."""
+    """The ends of a line must differ."""
     found = list(components(case, start=start, end=end))
     yield from found
     if not found and start == end:
@@ -39,7 +39,7 @@ def line(case: Scene, start: Sequence[float], end: Sequence[float]) -> Iterator[
 
 
 def body(case: Scene, on: str) -> Iterator[str]:
-    """There must be a body of this name."""
+    """A body must have this name."""
     names = body_names(case.bodies)
     if not names:
         yield "there is no tank; give walls=Tank(...) or leave the probe out"

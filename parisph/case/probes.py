@@ -1,6 +1,6 @@
-"""What all probes of a case have in common, and how the class of a kind is found.
+"""The base of all probes of a case, and the registry of their kinds.
 
-The kinds that come with parisph are in the folder watch/probes, one in each file.
+The kinds of parisph are in the folder watch/probes, one in each file.
 """
 
 import re
@@ -21,18 +21,18 @@ from parisph.case.model import Model, Several
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
-OURS = "parisph.watch.probes"    # with a module for each kind
+OURS = "parisph.watch.probes"    # a module for each kind
 LAST = ("acted", "truth", "peak", "arrival", "every")    # fields that follow those of a kind
-WIDTH = 4     # numbers of a row
-DRY = 1e-6    # of the spacing above the bed: a gauge with no more is dry
+WIDTH = 4     # numbers in a row
+DRY = 1e-6    # of the spacing, above the bed: a gauge with less is dry
 
 Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) [m]")]
 
 
 class Measure:
-    """What gives the values of a probe in a run. Nothing here is collective.
+    """The measurement of a probe in a run. Nothing here is collective.
 
-    view : watch.sampling.View, this rank's particles and their scene at the time of a sample
+    view : watch.sampling.View, the particles of this rank and the scene at the time of a sample
     """
 
     def sums(self, view: Any) -> Any:
@@ -40,7 +40,7 @@ class Measure:
         return ()
 
     def rows(self, view: Any) -> Floats:
-        """Return rows (n, WIDTH) of numbers, of which all ranks get those of all."""
+        """Return rows (n, WIDTH) of numbers; every rank gets the rows of all ranks."""
         return np.empty((0, WIDTH))
 
     def values(self, sums: Floats, rows: Floats, view: Any) -> Any:
@@ -52,24 +52,22 @@ class Probe(Measure, Model):
     """A named probe, written to probes/NAME.csv. A new kind is a class derived from this one.
 
     With peak=True the run writes the flow at the greatest value of the probe (of its first column, in the bands or the
-    window of its truth if it has one) to peaks/NAME.vtkhdf. Every step counts for this, even if samples are written
-    less often.
+    window of its truth if it has one) to peaks/NAME.vtkhdf. This checks every step, also between samples.
 
-    With arrival=VALUE the summary tells when the probe first passes this value, upwards or downwards, by linear
-    interpolation between its samples: when a front comes by, or a gauge notices a wave.
+    With arrival=VALUE the summary gives the time when the probe first passes this value, upwards or downwards,
+    interpolated linearly between its samples: the arrival of a front or of a wave.
 
-    With every=N only one in N of the run's samples is taken (Output.probe_every, probe_interval), from the first on:
-    for what changes slowly and costs much, such as a Volume. With Output.probe_interval it saves lines, not time.
+    With every=N it takes each N-th of the run's samples (Output.probe_every, probe_interval): for expensive probes that
+    change slowly, such as a Volume. With Output.probe_interval it saves lines, not time.
 
-    A kind has a field `kind` with its word, further fields, and these:
+    A kind has a field `kind` with its name, further fields, and these:
 
-    columns : {name: unit} of what it measures; `columns_in` where they depend on its fields
+    columns : {name: unit} of what it measures; `columns_in` if they depend on its fields
     dims : numbers of dimensions in which it works
-    judged : column that a truth is of, "" for the first
-    impacts : columns whose greatest values, and how long they last, the summary tells
-    quantity : what the axes of pictures say, "" for what the unit says; quantities : {column: the same} of others
-    family : of kinds that share axes, "" for its own; of_potential : columns (their beginnings) left out of pictures
-        where gravity is not constant
+    judged : column to which a truth refers, "" for the first
+    impacts : columns whose peaks and their durations are in the summary
+    quantity : label of axes in pictures, "" to derive it from the unit; quantities : {column: label} of other columns
+    family : of kinds that share axes, "" for none; of_potential : beginnings of columns omitted if gravity varies
     """
 
     columns: ClassVar[Mapping[str, str]] = {}
@@ -84,11 +82,11 @@ class Probe(Measure, Model):
     name: str = Field(description="name of the probe and of its file")
     truth: Union[Truth, Peaks, None] = Field(default=None, kw_only=True)
     peak: bool = Field(default=False, kw_only=True,
-                       description="whether the flow at the greatest value is kept, in the window of its truth")
+                       description="whether the flow at the greatest value is written, in the window of its truth")
     arrival: Optional[float] = Field(
-        default=None, kw_only=True, description="value whose first passing is told in the summary, in the probe's unit")
+        default=None, kw_only=True, description="value whose first passing is in the summary, in the probe's unit")
     every: int = Field(default=1, ge=1, kw_only=True,
-                       description="how many of the run's samples there are for one of this probe")
+                       description="samples of the run for each sample of this probe")
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
@@ -111,11 +109,11 @@ class Probe(Measure, Model):
 
     @property
     def line(self) -> Optional[tuple[Point, Point]]:
-        """The two points of a line [m] where the water that passes is counted in every step, or None."""
+        """The two points of a line [m] through which water is counted in every step, or None."""
         return None
 
     def title(self, scene: Any) -> str:
-        """Return the words for the head of its file: the first line of the class. scene : watch.sampling.ProbeScene"""
+        """Return the title of its file: the first line of the class docstring. scene : watch.sampling.ProbeScene"""
         return (type(self).__doc__ or type(self).__name__).strip().partition("\n")[0].rstrip(".")
 
     def columns_in(self, scene: Any) -> dict[str, str]:
@@ -123,17 +121,17 @@ class Probe(Measure, Model):
         return dict(self.columns)
 
     def problems(self, case: Any) -> Iterator[str]:
-        """Yield what is wrong with it in a case (case.scene.Scene), in words: field, value, limit and remedy."""
+        """Yield one line for each fault in a case (case.scene.Scene): field, value, limit and remedy."""
         return iter(())
 
     def misplaced(self, places: Any) -> Iterator[str]:
-        """Yield what is wrong with its place between walls of any shape. places : geometry.probe_places.Places"""
+        """Yield one line for each fault of its place between walls. places : geometry.probe_places.Places"""
         return iter(())
 
     def drawn(self, heights: tuple[float, float]) -> Optional[Floats]:
-        """Return its place in pictures: one point or those of a line (n, 2) [m], as its fields say; None without one.
+        """Return its place in pictures, a point or those of a line (n, 2) [m], or None.
 
-        The fields are `at`, or `start` and `end`, or `points`. heights : of the ends of upright lines [m]
+        It is from the fields `at`, or `start` and `end`, or `points`. heights : ends of vertical lines [m]
         """
         at, start = getattr(self, "at", None), getattr(self, "start", None)
         if isinstance(at, float):
@@ -143,43 +141,43 @@ class Probe(Measure, Model):
         return np.array([point[:2] for point in points]) if points else None
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
-        """Yield what it does not measure, but may have touched it, and at which of its samples (n,) it did.
+        """Yield each disturbance of the measurement, and which samples (n,) bool it affects.
 
         values : (columns, n) of a run of the case; scene : watch.sampling.ProbeScene
         """
         yield "no value, outside the fluid,", ~np.isfinite(values).all(axis=0)
 
     def ghosts(self) -> tuple[str, ...]:
-        """Return the fields of the ghosts that must be up to date."""
+        """Return the fields that must be current on ghosts."""
         return ()
 
     def begin(self, scene: Any) -> Measure:
-        """Return what measures it in a run: this record, or what keeps more. scene : watch.sampling.ProbeScene"""
+        """Return the Measure of a run: this record, or an object with more state. scene : watch.sampling.ProbeScene"""
         return self
 
 
 class Unknown(Probe):
-    """A probe of a run that is only looked at, whose class is not here."""
+    """A probe of an unknown kind, in a run opened only for reading."""
 
     model_config = {"extra": "allow"}
 
     kind: str = Field(init=False)
-    truth: Union[Truth, WaveTruth, Peaks, None] = Field(    # type: ignore[assignment]    # as of a SurfaceGauge, too
+    truth: Union[Truth, WaveTruth, Peaks, None] = Field(    # type: ignore[assignment]    # also that of a SurfaceGauge
         default=None, kw_only=True)
 
 
 class OfPressure(Probe):
-    """A probe whose values are those of the pressure alone, and linear in it: means in time in a run (watch.means).
+    """A probe that is linear in the pressure; a run writes its means in time (watch.means).
 
     A sample has the time for which its pressure is solved.
     """
 
     acted: bool = Field(
-        default=False, kw_only=True, description="whether the pressure that acts in the step is given beside its mean")
+        default=False, kw_only=True, description="whether to write the pressure of the step beside its mean")
 
 
 class Gauge(Probe):
-    """A probe of a height above x = `at` [m]. of_surface : whether that of the free surface, as theories have it."""
+    """A probe of a height above x = `at` [m]. of_surface : whether it is that of the free surface, as in theories."""
 
     columns = {"y": "m"}
     family = "height $y$"
@@ -188,19 +186,19 @@ class Gauge(Probe):
     at: float = Field(description="position x [m]")
 
     def problems(self, case: Any) -> Iterator[str]:
-        """See Probe: it stands between the walls."""
+        """See Probe: it must stand between the walls."""
         if case.wall_bounds is not None:
             low, high = case.wall_bounds
             if not low[0] <= self.at <= high[0]:
                 yield f"at = {self.at:g} must lie within the walls, from x = {low[0]:g} to {high[0]:g}"
 
     def misplaced(self, places: Any) -> Iterator[str]:
-        """See Probe: there is room for fluid."""
+        """See Probe: there must be room for fluid."""
         if not places.has_room(self.at):
             yield f"at = {self.at:g}: there is no room for fluid above or below it; move it"
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
-        """See Probe: gauges fall dry, and the surface may be above the walls."""
+        """See Probe: gauges run dry, and the surface may be above the walls."""
         yield from super().touched(values, case, scene)
         bed, first, s = scene.bed_at(np.array([self.at])), values[0], case.numerics.spacing
         moving = scene.now is not None and scene.now.moving
@@ -215,22 +213,22 @@ _LOADED: dict[str, type[Probe]] = {}
 
 @cache
 def ours() -> dict[str, str]:
-    """Return {kind: module} of the kinds that come with parisph."""
+    """Return {kind: module} of the kinds of parisph."""
     folder = Path(__file__).parent.parent.joinpath(*OURS.split(".")[1:])
     return {path.stem.removesuffix("_probe"): f"{OURS}.{path.stem}" for path in sorted(folder.glob("[a-z]*.py"))}
 
 
 def class_of(kind: Any) -> Optional[type[Probe]]:
-    """Return the class of a kind, None if there is none. A kind that comes with parisph is imported when needed."""
+    """Return the class of a kind, or None. A kind of parisph is imported when needed."""
     if kind not in _LOADED and kind in ours():
         import_module(ours()[kind])
     return _LOADED.get(kind)
 
 
 def _register(kind: str, cls: type[Probe]) -> None:
-    """Note the class of a kind. A case file may be read again: its class replaces its own earlier self.
+    """Register the class of a kind. If a case file is read again, its class replaces the earlier one.
 
-    Raises ValueError for a class from outside of the package with a kind of the package.
+    Raises ValueError if a class from outside has a kind of the package.
     """
     if not cls.__module__.startswith("parisph."):
         if kind in ours() or kind == "probe_array":
@@ -242,15 +240,14 @@ def _register(kind: str, cls: type[Probe]) -> None:
 
 @cache
 def _validator(kind: str) -> SchemaValidator:
-    """Return what validates a record of a kind, and puts the kind into the place of an error, as pydantic's unions do.
-    """
+    """Return a validator of a kind that puts the kind into the place of an error, as pydantic's unions do."""
     cls: Any = _LOADED[kind]
     cls.model_rebuild()
     return SchemaValidator(core_schema.tagged_union_schema({kind: cls.__pydantic_core_schema__}, "kind"))
 
 
 def _of_its_kind(value: Any, info: ValidationInfo) -> Probe:
-    """Return a probe, or make one of a dictionary by its kind. Of a run that is only looked at it may be Unknown."""
+    """Return a probe, or make one from a dictionary by its kind. In a run opened only for reading it may be Unknown."""
     if isinstance(value, Probe) and getattr(value, "kind", None):
         return value
     kind = value.get("kind") if isinstance(value, dict) else None
@@ -268,9 +265,9 @@ AnyProbe = Annotated[SerializeAsAny[Probe], PlainValidator(_of_its_kind), Field(
 
 
 class ProbeArray(Probe):
-    """Several probes with one file: its columns are the names of the probes, NAME_COLUMN for one with more columns.
+    """Several probes in one file, with a column NAME for each probe, or NAME_COLUMN if it has several columns.
 
-    truth : Profiles of the surface, for an array of nothing but SurfaceGauges
+    truth : Profiles of the surface, if all probes are SurfaceGauges
 
     >>> gauges = ProbeArray("gauges", [SurfaceGauge(f"x{x}", at=x) for x in (1, 2, 3)])
     >>> [probe.name for probe in gauges.probes]
@@ -279,7 +276,7 @@ class ProbeArray(Probe):
 
     kind: Literal["probe_array"] = Field(default="probe_array", init=False)
     probes: Several[AnyProbe] = Field(min_length=1, max_length=1000, description="probes")
-    truth: Optional[Profiles] = Field(default=None, kw_only=True)    # type: ignore[assignment]    # in place of a series
+    truth: Optional[Profiles] = Field(default=None, kw_only=True)    # type: ignore[assignment]    # no series
     peak: Literal[False] = Field(default=False, kw_only=True)
     arrival: None = Field(default=None, kw_only=True)
 
@@ -301,7 +298,7 @@ class ProbeArray(Probe):
 
 
 def singles(probes: Sequence[Probe]) -> list[tuple[str, Probe]]:
-    """Return (name, probe) of all probes, those in arrays too: their names are as in "gauges.x1"."""
+    """Return (name, probe) of all probes; in arrays, with names like "gauges.x1"."""
     found: list[tuple[str, Probe]] = []
     for probe in probes:
         inside: Sequence[Probe] = probe.probes if isinstance(probe, ProbeArray) else ()
@@ -310,5 +307,5 @@ def singles(probes: Sequence[Probe]) -> list[tuple[str, Probe]]:
 
 
 def surface_gauges(probes: Sequence[Probe]) -> dict[str, Gauge]:
-    """Return {name: gauge} of the gauges of the free surface among probes, named as in `singles`."""
+    """Return {name: gauge} of all gauges of the free surface, named as in `singles`."""
     return {name: probe for name, probe in singles(probes) if isinstance(probe, Gauge) and probe.of_surface}

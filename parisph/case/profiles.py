@@ -1,4 +1,4 @@
-"""Profiles of the surface, measured or computed elsewhere, as the truth of an array of gauges."""
+"""Reference profiles of the surface, as the truth of an array of gauges."""
 
 import math
 
@@ -16,10 +16,10 @@ MOST = 1000    # profiles in a file
 
 
 class Profiles(Model):
-    """Heights of the surface along x at some times: columns of a CSV file with one header line ('#' starts a comment).
+    """Heights of the surface along x at several times: columns of a CSV file with one header line ('#' for comments).
 
-    Each profile is compared at the gauges between its ends, at its own time, and no shift. Where it overturns, the
-    upper surface counts, as it does for a gauge.
+    Each profile is compared at its time, without a shift, at the gauges between its ends. If it overturns, its top
+    counts, as for a gauge.
 
     file : path, relative to the case file
     time, x, value : names of the columns
@@ -27,8 +27,8 @@ class Profiles(Model):
     x_offset, x_scale : place = x_offset + x_scale * column [m]
     time_scale : seconds for one unit of the time column
     wave : whether the error is relative to the height above `offset` alone
-    rows : {column: word}, only the lines that have these words in these columns
-    name, note, published, others : as of a Truth; the others may be at other times
+    rows : {column: word}, only lines with these words in these columns
+    name, note, published, others : as of a Truth; the others may have other times
 
     >>> measured = Profiles("photos.csv", time="t_s", x="x_cm", value="y_cm", scale=0.01, x_scale=0.01)
     >>> gauges = [SurfaceGauge(f"x{k}", at=0.1 * k) for k in (4, 5, 6)]
@@ -59,7 +59,7 @@ class Profiles(Model):
 
 
 def read_profiles(truth: Profiles) -> list[tuple[float, Floats, Floats]]:
-    """Return (time [s], places (n,) [m], heights (n,) [m]) of each profile, in order of time and, inside, of the file.
+    """Return (time [s], places (n,) [m], heights (n,) [m]) of each profile in order of time, points as in the file.
 
     Raises CaseError : the file cannot be read, a column is missing, or a value is not a number.
     """

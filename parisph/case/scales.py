@@ -1,6 +1,6 @@
-"""Estimates of the waves and speeds of a scene before it is run, for `parisph check`.
+"""Rough estimates of the waves and speeds of a scene before it is run, for `parisph check`.
 
-Rough estimates only: the first mode of linear waves, free fall, and the initial velocity.
+They use the first mode of linear waves, free fall, and the initial velocity.
 """
 
 from dataclasses import dataclass
@@ -19,17 +19,17 @@ from parisph.case.values import SMALLEST
 from parisph.case.wave_sizes import LINEAR, Size, size_of
 from parisph.case.waves import StandingWave, angular_frequency
 
-SAMPLES = 400        # points, or times, at which a field of the case is looked at
-PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
-RUN_UP = 2.0         # speed of waves at a wall or a beach over that of the wall that makes them, or of the start
-MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginning
+SAMPLES = 400        # points, or times, at which a field of the case is evaluated
+PER_PERIOD = 40      # steps of the oscillator per period of the first mode
+RUN_UP = 2.0         # speed of waves at a wall or a beach over that of their wavemaker, or of the start
+MOST_STEPS = 20_000  # of the oscillator; of a longer run it takes the beginning
 
 
 @dataclass(frozen=True)
 class Scales:
     """Expected scales of a scene.
 
-    wave : the wave of level water, by linear theory; None for other scenes, and without one
+    wave : the wave of level water, by linear theory, or None
     times : (n,) [s], from 0 to the end of the run
     speeds : (n,) largest speed of a particle at these times [m/s]
     accelerations : (n,) largest acceleration of a particle at these times [m/s^2]
@@ -46,20 +46,20 @@ class Scales:
 def expected(case: Case) -> Scales:
     """Return the Scales of a case.
 
-    For level water between two walls the speed is the initial speed plus that of waves: those of the initial elevation,
-    and the first mode, an oscillator driven by the horizontal body force (which includes the motion of the tank).
-    Because waves break, their amplitude is at most the depth, and their speed that of a fall from this height and,
-    by the motion of the tank, along it. All other fluid gains the energy of a fall from its top to the tank's bed (Z14
-    Sec. 3.1.2), but for still water between other walls, which moves as its wave or its wavemaker. The acceleration of
-    level water is the frequency of its motion times the speed, that of other fluid the body force. Fluid without a
-    surface or a force is accelerated by its own flow.
+    In level water between two walls the speed is the initial speed plus that of waves: those of the initial elevation,
+    and the first mode, an oscillator driven by the horizontal body force (which includes the motion of the tank). As
+    waves break, their amplitude is at most the depth, and their speed at most that of a fall from this height plus the
+    work of the tank's acceleration along its length. Still water between other walls moves as its wave or its
+    wavemaker. All other fluid gains the energy of a fall from its top to the tank's bed (Z14 Sec. 3.1.2). The
+    acceleration of level water is the frequency of its motion times the speed, that of other fluid the body force, that
+    of fluid without a surface or a force the one of its own flow.
     """
     times = np.linspace(0.0, case.end_time, SAMPLES)
     force, down = _gravity(case)
     speeds = np.full(SAMPLES, _start_speed(case))
     wave = None
     lower, upper = case.fluid_bounds
-    accelerations = np.pi / float(np.min(upper - lower)) * speeds**2    # of cells of flow as wide as the fluid
+    accelerations = np.pi / float(np.min(upper - lower)) * speeds**2    # of vortices as wide as the fluid
     if case.closed or force == 0.0:
         return Scales(wave, times, speeds, accelerations, force)
     level = _level(case, down)
@@ -77,15 +77,15 @@ def expected(case: Case) -> Scales:
 
 
 def _calm(case: Case) -> bool:
-    """Return whether all fluid is still water with at most a wave on it, in walls of which only wavemakers may move."""
+    """Return whether all fluid is still water, with or without a wave, in a frame at rest."""
     return isinstance(case.frame, AtRest) and all(isinstance(fluid.shape, StillWater) for fluid in case.fluids)
 
 
 def top_speed(case: Case) -> float:
-    """Return the speed [m/s] that fluid has at most, but for jets: of its start, of walls and frame, and of a fall.
+    """Return the greatest speed [m/s] of fluid without jets: of its start, of walls and frame, and of a fall.
 
-    The fall is through the whole scene along each axis, by the largest body force there is until the end; without
-    walls it lasts until the end.
+    The fall is through the whole scene along each axis, by the largest body force; without walls it lasts until the
+    end.
     """
     x, bounds = np.concatenate(_sample(case)), case.wall_bounds
     force = np.max([np.abs(case.body_force(x, t)).max(axis=0) for t in np.linspace(0.0, case.end_time, LOOKS)], axis=0)
@@ -96,7 +96,7 @@ def top_speed(case: Case) -> float:
 
 
 def fall_time(case: Case) -> float:
-    """Return sqrt(depth/g) [s] of level water at rest without waves, 0 for all other fluid."""
+    """Return sqrt(depth/g) [s] of level water at rest without waves, 0 for other fluid."""
     force, down = _gravity(case)
     level = _level(case, down)
     if force == 0.0 or uniform_field(case.gravity) is None or case.closed or level is None:
@@ -107,7 +107,7 @@ def fall_time(case: Case) -> float:
 
 
 def _sample(case: Case) -> list[Floats]:
-    """Return points (n, dim) [m] of each body of fluid at the start, without its elevation."""
+    """Return points (n, dim) [m] in each body of fluid at the start, without its elevation."""
     count = max(3, round(SAMPLES ** (1.0 / case.dim)))
     return case.points(count, count)
 
@@ -139,8 +139,7 @@ def _level(case: Case, down: Floats) -> Box | None:
 
 
 def _fall(case: Case, down: Floats) -> float:
-    """Return how far fluid can fall [m]: to the far side of the tank; without a tank, infinitely far, or
-    to the centre of a central force."""
+    """Return the greatest fall of fluid [m]: across the tank; without walls infinite, or to the centre of a force."""
     lower, upper = case.fluid_bounds
     if case.wall_bounds is None:
         return np.inf if uniform_field(case.gravity) is not None else 0.25 * float(np.max(upper - lower))
@@ -155,7 +154,7 @@ def _standing(amplitude: float, k: float, depth: float, g: float) -> Size:
 
 
 def _of_start(case: Case, level: Box, g: float) -> tuple[float, float]:
-    """Return amplitude [m] and wave number [1/m] of the linear wave that level water starts with."""
+    """Return amplitude [m] and wave number [1/m] of the linear wave of level water at the start."""
     depth, (lower, upper) = level.size[-1], level.bounds
     x = np.linspace(lower[0], upper[0], SAMPLES)
     amplitude, k = _harmonic(x, case.fluids[0].rise(x))
@@ -166,10 +165,9 @@ def _of_start(case: Case, level: Box, g: float) -> tuple[float, float]:
 
 
 def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tuple[Size | None, Floats, Floats]:
-    """Return the largest wave on level water, None without any, and speed [m/s] and acceleration [m/s^2] of its
-    particles, (n,) each.
+    """Return the largest wave on level water, or None, and speed [m/s] and acceleration [m/s^2] of its particles, (n,).
 
-    start : (n,) the speed of the start [m/s], which is not part of the speed that is returned
+    start : (n,) initial speed [m/s], which the returned speed does not include
     """
     (length, depth), (lower, upper) = level.size[[0, -1]], level.bounds
     eta, speed = _sloshing(case, g, np.pi / length, depth, times)
@@ -216,8 +214,7 @@ def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tu
 
 
 def _harmonic(x: Floats, values: Floats) -> tuple[float, float]:
-    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave
-    long."""
+    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave."""
     amplitude, longest = float(np.ptp(values)) / 2.0, np.pi / (x[-1] - x[0])
     if amplitude == 0.0:
         return 0.0, longest

@@ -1,4 +1,4 @@
-"""The fields of a case, each valid by itself, and what follows from them alone. Checks of the whole need no more."""
+"""The fields of a case, each valid by itself, and the properties that follow from them."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Union
@@ -31,15 +31,15 @@ Fluids = Annotated[
           Annotated[Several[Fluid], Field(min_length=1, max_length=100), Tag("several")]], Discriminator(_how_many)]
 
 if TYPE_CHECKING:
-    Zones = Union[AnyZone, Sequence[AnyZone]]    # one may be given by itself
+    Zones = Union[AnyZone, Sequence[AnyZone]]    # one need not be in a list
 else:
     Zones = tuple[AnyZone, ...]
 
 
 class Scene(Model):
-    """The fields of a Case, where they are described, and what follows from them."""
+    """The fields of a Case, which describes them, and properties that follow from them."""
 
-    title: str = Field(min_length=1, max_length=200, description="one line for people")
+    title: str = Field(min_length=1, max_length=200, description="one line for readers")
     source: str = Field(default="", max_length=200, description="where the scene is from, such as a paper")
     fluid: Fluids = Field(kw_only=True, description="a Fluid, or several")
     walls: Walls | None = Field(default=None, kw_only=True, description="a Tank or another body, or several")
@@ -86,7 +86,7 @@ class Scene(Model):
 
     @property
     def dim(self) -> int:
-        """Number of dimensions: 2, as scenes in 3D are refused so far."""
+        """Number of dimensions: 2, as 3D scenes are refused."""
         return self.fluids[0].dim
 
     @property
@@ -143,7 +143,7 @@ class Scene(Model):
     def bounds_of(self, fluid: Fluid) -> tuple[Floats, Floats]:
         """Return the lower and upper corner of a box around a body of fluid at the start, (dim,) each [m].
 
-        Still water is as wide as the walls, but for what is behind a wavemaker.
+        Still water is as wide as the walls, up to wavemakers.
         """
         if not isinstance(fluid.shape, StillWater):
             return fluid.shape.bounds
@@ -154,7 +154,7 @@ class Scene(Model):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Least and greatest x [m] between the walls, but for what is behind a wavemaker; 0 without walls."""
+        """Least and greatest x [m] between the walls and in front of wavemakers; 0 without walls."""
         lower, upper = self.wall_bounds or (np.zeros(2), np.zeros(2))
         ends = [float(lower[0]), float(upper[0])]
         for body in self.bodies:
@@ -169,7 +169,7 @@ class Scene(Model):
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
 
     def points(self, across: int, up: int) -> list[Floats]:
-        """Return points (n, dim) [m] all over the boxes around the bodies of fluid, those of them that lie in it."""
+        """Return points (n, dim) [m] of a grid over each body of fluid that lie in its shape."""
         found = []
         for fluid in self.fluids:
             lower, upper = self.bounds_of(fluid)
@@ -181,9 +181,9 @@ class Scene(Model):
 
     @property
     def closed(self) -> bool:
-        """True for a tank with a lid that is full: no free surface, pressure up to a constant.
+        """Whether a tank with a lid is full: no free surface, pressure up to a constant.
 
-        A tank is full if still water reaches its lid, and without other bodies in it, if a Box fills it.
+        It is full if still water reaches the lid, or, without other bodies, if a Box fills it.
         """
         fluid, shape, tank = self.fluids[0], self.fluids[0].shape, self.tank
         if tank is None or not tank.closed or len(self.fluids) > 1 or fluid.raised or fluid.holes:
@@ -199,14 +199,14 @@ class Scene(Model):
     def driven(self) -> bool:
         """Whether the body force, a motion of the tank or of walls, or a zone may do work on the fluid.
 
-        A uniform, constant force does not change its energy, because its potential energy is counted.
+        The work of a uniform, constant force is counted as potential energy.
         """
         moving = any(not isinstance(motion_of(body), AtRest) for body in self.bodies)
         return moving or bool(self.zones) or self.constant_force is None
 
     @property
     def absorber(self) -> Absorber | None:
-        """What zones that absorb waves do to water, or None."""
+        """The Absorber of the zones that absorb waves, or None."""
         if not self.zones or self.wall_bounds is None:
             return None
         lower, upper = self.fluid_bounds
@@ -215,9 +215,9 @@ class Scene(Model):
         return Absorber(self.zones, self.ends, level, level - float(lower[-1]), g)
 
     def body_force(self, x: Floats, t: float) -> Floats:
-        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity and what its motion adds.
+        """Return the body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the frame of the tank, with its inertia.
 
-        It is the force on what rests in the tank; in a tank that turns, Coriolis' force is another part of the method.
+        It is the force on fluid at rest in this frame. The Coriolis force is a separate part of a method.
         """
         force = self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t)
         frame = self.frame.acceleration_at(x, t)
@@ -232,28 +232,28 @@ class Scene(Model):
 
     @property
     def same_force_everywhere(self) -> bool:
-        """Whether the body force is the same at every place, at any one time."""
+        """Whether the body force is uniform at any time."""
         return uniform_field(self.gravity) is not None and not self.turns
 
     @property
     def physics(self) -> frozenset[str]:
-        """What the scene has that some forces are for, words of vocabulary.PHYSICS."""
+        """Physical effects of the scene that need a force of their own, from vocabulary.PHYSICS."""
         has = {"viscous": self.viscosity > 0.0 or self.numerics.smagorinsky > 0.0, "turning": self.turns,
                "absorbing": bool(self.zones), "friction": self.friction is not None}
         return frozenset(word for word in vocabulary.PHYSICS if has[word])
 
     @property
     def turns(self) -> bool:
-        """Whether the tank turns, so that gravity does in its frame."""
+        """Whether the tank rotates."""
         return isinstance(self.frame, Rotation)
 
     def start_vorticity(self, fluid: Fluid, x: Floats) -> Floats:
-        """Return the vorticity (n,) [1/s] in the room at the start at x (n, dim) [m] of a body of fluid.
+        """Return the absolute vorticity (n,) [1/s] of a body of fluid at the start, at x (n, dim) [m].
 
-        Fluid at rest in a tank that turns at the start turns with it.
+        Fluid at rest in a rotating tank rotates with it.
         """
         return fluid.start_vorticity(x, self.numerics.spacing) + 2.0 * self.spin(0.0)
 
     def spin(self, t: float) -> float:
-        """Angular velocity of the tank [rad/s] at t [s], against the clock."""
+        """Return the angular velocity of the tank [rad/s] at t [s], anticlockwise."""
         return float(self.frame.law(t)[1]) if self.turns else 0.0

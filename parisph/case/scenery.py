@@ -1,4 +1,4 @@
-"""Checks of scenes of several bodies: what can be said of them without their geometry (geometry.scene_checks)."""
+"""Checks of scenes of several bodies that do not need their geometry (see geometry.scene_checks)."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -9,11 +9,11 @@ from parisph.case.fluids import Fluid
 from parisph.case.scene import Scene
 from parisph.case.shapes import Tank
 
-CLOSE = 1e-9    # [m], [rad]: a motion begins where the body is
+CLOSE = 1e-9    # [m], [rad]: tolerance of the start of a motion
 
 
 def body_names(bodies: tuple[Body, ...]) -> list[str]:
-    """Return the names of bodies: as given, or tank, obstacle-1, ... after their kinds and places in the list."""
+    """Return the names of bodies: as given, or tank, obstacle-1, ... by kind and position in the list."""
     return [body.name or body.kind + (f"-{number}" if number else "") for number, body in enumerate(bodies)]
 
 
@@ -32,7 +32,7 @@ def wall_speed(case: Scene) -> float:
 
 
 def longest_step(case: Scene) -> float:
-    """Return the longest time step [s] that resolves the motions of frame and walls, infinite without any."""
+    """Return the longest time step [s] that resolves the motions of frame and walls, infinite without motion."""
     return min([case.frame.longest_step, *(motion_of(body).longest_step for body in case.bodies)])
 
 
@@ -44,7 +44,7 @@ def problems(case: Scene) -> list[str]:
 def _bodies(case: Scene) -> Iterator[str]:
     bodies = case.bodies
     if case.walls is not None and not bodies:
-        yield "walls = (): names no body; leave walls out where there are none"
+        yield "walls = (): names no body; leave it out"
     for name, count in sorted(Counter(body_names(bodies)).items()):
         if count > 1:
             yield f"walls: the name {name!r} is given {count} times; give each body a name of its own"

@@ -34,8 +34,7 @@ __all__ = [
     "WaveTruth",
 ]
 
-# Context of a validation that checks names and types alone: a run of an older release may be looked at
-# even if this one would not run it.
+# Context of a validation that checks only names and types, to open an older run that this release would not compute.
 READ_ONLY = "read only"
 
 
@@ -45,16 +44,15 @@ class Case(Scene):
     title : one line, shown in pictures and tables
     source : where the scene is from, such as a paper and its figures; shown on pages
     fluid : Fluid, or several of one density and viscosity, which do not overlap
-    walls : Tank, Profile, Obstacle, Plate, Piston or Flap, several of them, or None
+    walls : a Tank, Profile, Obstacle, Plate, Piston or Flap, several of them, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t
-    frame : motion of the tank, in whose frame the flow is computed
+    frame : motion of the tank; the flow is computed in its frame
     absorb : a Sponge or Relaxation zone, or several
-    friction : Friction of turbulent flow on walls that fluid slips along, or None
+    friction : Friction of turbulent flow on free-slip walls, or None
     numerics, output : Numerics, Output
-    probes : what is watched
+    probes : a list of probes
     end_time : [s]
-    asked : None, or in a stored case the numerics as given by the user; `numerics` then also
-        contains the values of the preset
+    asked : None, or in a stored case the numerics given by the user; `numerics` then also contains the preset's values
 
     Raises CaseError: with one line for each problem
 
@@ -69,13 +67,13 @@ class Case(Scene):
 
     @property
     def origin(self) -> Origin:
-        """Where the case is from: its file and the parameters of its function (case.origin). No part of the case."""
+        """The file of the case and the parameters of its function (case.origin). It is not a part of the case."""
         return self._origin
 
     def of(self, origin: Mapping[str, Any]) -> "Case":
         """Return the same case with this origin."""
         case = self.model_copy()
-        setattr(case, "_origin", Origin(origin))    # for type checkers a record is frozen
+        setattr(case, "_origin", Origin(origin))    # type checkers treat a record as frozen
         return case
 
     @model_validator(mode="after")
@@ -88,7 +86,7 @@ class Case(Scene):
         return self
 
     def complete_numerics(self) -> ResolvedNumerics:
-        """Return the numerics in which every value is set; a closed case has no free surface."""
+        """Return the numerics with the values of method and preset, for a closed case without a free surface."""
         numerics = self.numerics
         if not self.closed:
             return numerics.resolved()
@@ -113,7 +111,7 @@ class Case(Scene):
             _put(data, name, value)
         if self.asked is not None:
             _put_asked(data, values)
-        asked = data.pop("asked")    # validated separately: else errors in the numerics would be reported twice
+        asked = data.pop("asked")    # validated separately, or errors in the numerics would be reported twice
         case = Case.model_validate(data)
         case = case if asked is None else case.model_copy(update={"asked": Numerics.model_validate(asked)})
         before = self.origin.get("changed")
@@ -122,7 +120,7 @@ class Case(Scene):
 
 
 def _put(data: dict[str, Any], name: str, value: Any) -> None:
-    """Set an entry of nested dictionaries by its name with dots."""
+    """Set an entry of nested dictionaries by its dotted name."""
     *path, last = name.split(".")
     part = data
     for key in path:
@@ -134,7 +132,7 @@ def _put(data: dict[str, Any], name: str, value: Any) -> None:
 
 
 def _put_asked(data: dict[str, Any], values: Mapping[str, Any]) -> None:
-    """Make the same changes to the numerics given by the user, and take what follows from them from the preset."""
+    """Apply the changes to the numerics given by the user, and replace values of the preset that depend on them."""
     names = {name.partition(".")[2] for name in values if name.startswith("numerics.")} & set(Numerics.model_fields)
     for name in names:
         data["asked"][name] = data["numerics"][name]
@@ -145,6 +143,6 @@ def _put_asked(data: dict[str, Any], values: Mapping[str, Any]) -> None:
     else:
         again = {other for name, other in (("zeta", "zeta_time"), ("zeta_time", "zeta")) if name in names}
         if any(name.partition(".")[0] in ("fluid", "walls") for name in values):
-            again |= set(CLOSED)    # a full tank with a lid has values of its own
+            again |= set(CLOSED)    # a full tank with a lid has other values
         for name in again - names:
             data["numerics"][name] = data["asked"][name]

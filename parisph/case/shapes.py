@@ -92,7 +92,7 @@ class Disc(Model):
 
 
 class Polygon(Model):
-    """A polygon of fluid, given by its corners in order, either way round [m].
+    """A polygon of fluid, by its corners in order [m], in either direction.
 
     >>> Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))).area
     0.25
@@ -150,7 +150,7 @@ def _area(points: Sequence[Sequence[float]]) -> float:
 class Lid(Model):
     """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity.
 
-    Only viscous fluid notices, or one with friction on walls (`Case(friction=...)`).
+    It acts on viscous fluid, or by friction on walls (`Case(friction=...)`).
 
     >>> Tank(width=1.0, height=1.0, lid=Lid(velocity=0.5), no_slip=True).closed
     True
@@ -165,8 +165,8 @@ SIDES = ("left", "right", "bottom", "top")
 class Tank(Model):
     """A rectangular tank: width x height [m], with its lower left corner `at` [m].
 
-    With a lid it is closed; without one its side walls end at the top, and water may leave
-    it there. Viscous fluid sticks to the walls named in `no_slip`, and slips along the others.
+    With a lid it is closed; without one water may leave it over the side walls. Viscous fluid sticks to the walls named
+    in `no_slip`, and slips along the others.
 
     >>> Tank(width=2.0, height=1.0, lid=True, no_slip=("bottom",)).sticky
     ('bottom',)
@@ -178,7 +178,7 @@ class Tank(Model):
     lid: Union[bool, Lid] = Field(default=False, description="whether the tank has a lid, or a Lid that moves")
     at: Point = (0.0, 0.0)
     no_slip: Union[bool, tuple[Literal["left", "right", "bottom", "top"], ...]] = Field(
-        default=False, description="whether fluid sticks to all walls, or the names of those to which it sticks")
+        default=False, description="whether fluid sticks to all walls, or the names of no-slip walls")
     name: Name = ""
     motion: AnyMotion = AtRest()
 

@@ -1,4 +1,4 @@
-"""Checks of the speeds, time steps and outputs of a case: what would be absurdly fast, never end, or fill the disk.
+"""Checks of the speeds, time steps and outputs of a case: absurd speeds, endless runs, full disks.
 
 Each yields one line per problem, with field, value, limit and remedy.
 """
@@ -13,20 +13,20 @@ from parisph.case.scene import Scene
 from parisph.case.shapes import Lid
 
 LEAP = 0.5          # spacings that a wall may move in a fixed time step
-ABSURD = 10.0       # a fixed time step this many times the stable one is taken for a mistake
-FASTEST = 1480.0    # [m/s], of sound in water: water that is faster is compressible
-MOST_STEPS = 1e8    # of a run: far beyond what any machine computes in a year
+ABSURD = 10.0       # a fixed time step this many times the stable one counts as a mistake
+FASTEST = 1480.0    # [m/s], speed of sound in water: faster flow is compressible
+MOST_STEPS = 1e8    # of a run: far more than a machine computes in a year
 MOST_FILES = 1e6    # of one kind that a run writes
 MOST_SAMPLES = 1e8  # of a probe
 
 
 def problems(case: Scene) -> list[str]:
-    """Return the problems of a case with time: those of speeds, or else all others."""
+    """Return the problems of speeds, or else those of times, steps and files."""
     return [*_speeds(case)] or [*_times(case), *_steps(case), *_files(case)]
 
 
 def _speeds(case: Scene) -> Iterator[str]:
-    """Nothing may be as fast as sound in water, which is as good as incompressible far below that only."""
+    """Nothing may be as fast as sound in water, or the water would be compressible."""
     u, g = time_scales.start(case)
     lower, upper = case.fluid_bounds
     high = float((upper - lower)[-1])
@@ -70,7 +70,7 @@ def _times(case: Scene) -> Iterator[str]:
 
 
 def _steps(case: Scene) -> Iterator[str]:
-    """A run that would not end in a year is a mistake, and so is its time step."""
+    """A run of more than MOST_STEPS steps is a mistake."""
     dt, why = min(_time_steps(case), key=lambda item: item[0])
     if case.end_time > MOST_STEPS * dt:
         yield (

@@ -1,4 +1,4 @@
-"""What the speeds and forces of a case say of its time step, before any particle is there."""
+"""Speeds, forces and time steps that follow from a case alone, without particles."""
 
 import numpy as np
 
@@ -8,18 +8,18 @@ from parisph.case.expressions import vector_field
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc
 
-SOUND = 10.0     # speed of sound of weakly compressible fluid, over the fastest speed to expect
-SAMPLES = 9      # points along each edge at which an expression is tried out
-LOOKS = 33       # times at which the body force is tried out
-STEADY = 0.3     # spacings that the fastest violent fluid should move in a fixed step
-# spacings of thickness from which on the flow sets the time scale, and not its particles: the dam break at H/s = 80
-# has errors of P2 of .040 and .063 (Basilisk, interFoam; means of three starts) with it and .990 of its energy at
+SOUND = 10.0     # speed of sound of weakly compressible fluid over the expected largest speed
+SAMPLES = 9      # points along each edge at which an expression is evaluated
+LOOKS = 33       # times at which the body force is evaluated
+STEADY = 0.3     # largest move in a fixed step of violent flow, in spacings
+# spacings of thickness above which the flow sets the time scale, not its particles. The dam break at H/s = 80 has
+# errors of P2 of .040 and .063 (Basilisk, interFoam; means of three starts) with it and .990 of its energy at
 # t* = 2; .046, .054 and .989 without. It takes .73 of the steps
 FINE = 20.0
 
 
 def sample(case: Scene) -> list[Floats]:
-    """Return points (n, dim) [m] of each body of fluid, all over the box around it."""
+    """Return points (n, dim) [m] all over each body of fluid."""
     many = 8 if any(fluid.wave is not None for fluid in case.fluids) else 1    # a wave may be short in a long tank
     return case.points(SAMPLES * many, SAMPLES)
 
@@ -33,14 +33,14 @@ def start(case: Scene) -> tuple[float, float]:
 
 
 def sound_speed(case: Scene) -> float:
-    """Return the speed of sound of weakly compressible fluid [m/s]: by default SOUND times the fastest to expect."""
+    """Return the speed of sound of weakly compressible fluid [m/s]: by default SOUND times `fastest`."""
     return case.numerics.sound_speed or SOUND * fastest(case)
 
 
 def fastest(case: Scene) -> float:
-    """Return the speed [m/s] to expect from the case alone: that of the start, and of a fall from the fluid's height.
+    """Return the expected largest speed [m/s]: that of the start, plus that of a fall from the fluid's height.
 
-    In waves that do not break, it is that of long waves.
+    In waves that do not break, the fall is replaced by the speed of long waves.
     """
     speed, g = start(case)
     lower, upper = case.fluid_bounds
@@ -49,11 +49,11 @@ def fastest(case: Scene) -> float:
 
 
 def stable_time_step(case: Scene) -> tuple[float, str]:
-    """Estimate the largest sensible time step [s] from the case alone, and say where it comes from.
+    """Estimate the largest sensible time step [s] from the case alone; return also its reason in words.
 
     For waves, sqrt(s/g), the time scale of the shortest waves on the lattice. For violent flows also
-    cfl s/u with u = |u0| + sqrt(2 g H), the speed after a fall from the height of the fluid (Z14 Sec. 3.1.2), and for a
-    fixed step a cfl of at most STEADY: nothing shortens it in an impact.
+    cfl s/u with u = |u0| + sqrt(2 g H), the speed after a fall from the height of the fluid (Z14 Sec. 3.1.2). The cfl
+    of a fixed step is at most STEADY, as nothing shortens the step in an impact.
     """
     s, (speed, g) = case.numerics.spacing, start(case)
     lower, upper = case.fluid_bounds
@@ -83,8 +83,8 @@ def wave_time(case: Scene) -> float:
 
 
 def flow_length(case: Scene) -> float:
-    """Return the length l [m] of which sqrt(l/a) is the time scale of violent flow: the spacing, or the FINE-th part of
-    the smallest extent of any body of fluid at the start, if all are boxes, discs or still water, without holes."""
+    """Return the length l [m] of the time scale sqrt(l/a) of violent flow: the spacing, or if more, the smallest extent
+    of any body of fluid at the start over FINE, if all are boxes, discs or still water without holes."""
     whole = all(isinstance(fluid.shape, (Box, Disc, StillWater)) and not fluid.holes for fluid in case.fluids)
     thickness = min(float(np.min(high - low)) for low, high in map(case.bounds_of, case.fluids))
     return max(case.numerics.spacing, thickness / FINE if whole else 0.0)

@@ -1,4 +1,4 @@
-"""References that a probe is compared with: series of files, waves, and bands of measured peaks."""
+"""References for probes: series in files, waves, and bands of measured peaks."""
 
 from collections.abc import Iterable, Sequence
 from typing import Annotated
@@ -16,13 +16,12 @@ from parisph.case.waves import AnyWave
 
 
 class PeakBand(Model):
-    """What others report of the greatest value within an interval of time: between which values it is, and when.
+    """A published range of the greatest value in an interval of time, and its time.
 
-    start, end : of the interval [s]; low, high : of the band, in the probe's unit; None where only the time is known
-    smooth : width [s] of a moving mean of the run, where single steps have spikes; None for none
-    when : time at which others have it [s], None if they do not say
-    level : level at rest from which values count when they are compared with the band, in the probe's unit: the height
-        of still water, where `low` and `high` are heights above the bed
+    start, end : of the interval [s]; low, high : of the band, in the probe's unit; None if only the time is known
+    smooth : width [s] of a moving mean of the run, against spikes of single steps; None for none
+    when : published time of the greatest value [s], or None
+    level : value at rest, subtracted before comparison: still water if `low` and `high` are heights above the bed
 
     >>> PeakBand(start=2.2, end=2.6, low=2100.0, high=4300.0).high
     4300.0
@@ -52,10 +51,10 @@ class PeakBand(Model):
 
 
 class Peaks(Model):
-    """The truth of a probe of which others report single numbers, and no series.
+    """The truth of a probe for which single numbers are published, but no series.
 
     bands : one PeakBand for each greatest value
-    name : whose numbers they are, as pages call them; note : what a reader of them should know
+    name : of the source, as shown on pages; note : for readers
 
     >>> impact = Peaks([PeakBand(start=0.3, end=0.5, when=0.36)], name="Z17, Sec. 6.2")
     >>> PressureTap("P2", at=(1.18, 0.01), truth=impact).truth.bands[0].when
@@ -73,12 +72,12 @@ def _one_window(window: tuple[float, float] | None) -> tuple[float, float] | Non
     return window
 
 
-Window = Annotated[tuple[float, float] | None, Field(description="start and end of what is compared [s]"),
+Window = Annotated[tuple[float, float] | None, Field(description="start and end of the comparison [s]"),
                    AfterValidator(_one_window)]
 
 
 def each_named(others: Iterable[str]) -> None:
-    """Raise ValueError if further references do not have names of their own, under which a summary has their errors."""
+    """Raise ValueError if further references lack distinct names, which a summary needs."""
     names = list(others)
     if len({"", *names}) <= len(names):
         raise ValueError(f"others have the names {shown(names)}: give each one of its own")
@@ -95,15 +94,14 @@ class Truth(Model):
     time_scale : seconds for one unit of the time column
     wave : whether the error is that of the wave part, |probe - truth| / |truth - offset|, instead of
         |probe - truth| / |truth|
-    rows : {column: word}, only the lines that have these words in these columns; a file may hold several series
-    window : (start, end) [s] of what is compared, at even times; None for all, at the times of the file
+    rows : {column: word}, only lines with these words in these columns; a file may contain several series
+    window : (start, end) [s] of the comparison, at even times; None for all, at the times of the file
     smooth : width [s] of a moving mean of both series before they are compared; None for none
-    name : what pages and legends call it
-    note : what a reader of the error should know, such as the place of a sensor
-    published : {who and how: relative L2 error that others have against the same reference, printed or recomputed from
-        their curves; the name says which}
+    name : as shown on pages and in legends
+    note : for readers of the error, such as the place of a sensor
+    published : {author and method: relative L2 error against the same reference}, named as printed or recomputed
     peaks : bands of the greatest values, one PeakBand for each
-    others : further references, which are compared in the same way
+    others : further references, compared in the same way
 
     >>> truth = Truth("gauge.csv", time="t_s", value="eta_mm", scale=0.001, offset=0.4, wave=True)
     >>> SurfaceGauge("gauge", at=0.5, truth=truth).truth.scale
@@ -135,8 +133,7 @@ class Truth(Model):
 class WaveTruth(Model):
     """A wave as the truth of a surface gauge, whose error is that of the wave part.
 
-    of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
-    window : (start, end) [s] of what is compared; None for all
+    of : the wave; level : height y of the still surface [m]; window : (start, end) [s] of the comparison, None for all
 
     >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
     >>> gauge = SurfaceGauge("gauge", at=2.0, truth=WaveTruth(wave, level=0.25))
@@ -154,7 +151,7 @@ class WaveTruth(Model):
 
 
 def bands_of(truth: Model | None) -> Sequence[PeakBand]:
-    """Return the bands of the greatest values that a truth has; truth : of a probe, or None."""
+    """Return the PeakBands of a truth; truth : of a probe, or None."""
     return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
 
 
@@ -168,7 +165,7 @@ def intervals(truth: Model | None) -> tuple[tuple[float, float], ...]:
 
 
 def read_truth(truth: Truth) -> tuple[Floats, Floats]:
-    """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth, of all times.
+    """Return all times (n,) [s] and values (n,) [the probe's unit] of a Truth.
 
     Raises:
     CaseError : the file cannot be read, a column is missing, or a value is not a number. The message shows only a
@@ -200,7 +197,7 @@ def _numbers(truth: Truth, line: int, cells: Sequence[str]) -> list[float]:
         found = [float(cell) for cell in cells]
     except ValueError:
         found = [np.nan]
-    if not all(abs(number) <= LARGEST for number in found):    # nor is any nan
+    if not all(abs(number) <= LARGEST for number in found):    # false also for nan
         raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite "
                         f"number of at most {LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
     return found

@@ -1,4 +1,4 @@
-"""Run Python files of the user, such as case and study files. What goes wrong in them names file and line."""
+"""Run Python files of the user, such as case and study files. Errors in them give file and line."""
 
 import sys
 import sysconfig
@@ -32,7 +32,7 @@ def beside(file: Path) -> Iterator[None]:
 
 
 def read(file: Path, path: AnyPath, most: float = reading.MOST) -> str:
-    """Return the text of a file of at most `most` bytes; path : what the user called it. Raises CaseError."""
+    """Return the text of a file of at most `most` bytes; path : as the user named it. Raises CaseError."""
     try:
         return reading.read_text(file, most)
     except OSError as error:
@@ -42,7 +42,7 @@ def read(file: Path, path: AnyPath, most: float = reading.MOST) -> str:
 def module_of(file: Path, path: AnyPath, name: str) -> types.ModuleType:
     """Run a Python file of the user and return its module, called `name`. Raises CaseError.
 
-    The text is compiled here and not imported: no __pycache__ beside the file, on which ranks could race.
+    The text is compiled, not imported: ranks could race for a __pycache__ beside the file.
     """
     text = read(file, path)
     module = types.ModuleType(name)
@@ -52,7 +52,7 @@ def module_of(file: Path, path: AnyPath, name: str) -> types.ModuleType:
         with beside(file):
             users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
     finally:
-        with suppress(ValueError):    # the file may have taken it out
+        with suppress(ValueError):    # the file may have removed it
             sys.path.remove(str(file.parent))
     return module
 
@@ -60,8 +60,8 @@ def module_of(file: Path, path: AnyPath, name: str) -> types.ModuleType:
 def users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
     """Return action(), which runs code of a file of the user.
 
-    Raises CaseError that says where it failed, except for Ctrl-C, and BadEnvironment if not the file is at fault, but
-    the machine or an installed library.
+    Raises CaseError with the place of any exception except Ctrl-C, or BadEnvironment if machine or libraries are at
+    fault.
     """
     try:
         return action()
@@ -83,9 +83,9 @@ def _where(error: BaseException, file: Path, path: AnyPath) -> str:
 
 
 def _of_a_library(error: BaseException, file: Path, path: AnyPath) -> BadEnvironment | None:
-    """Return what to say of an import of an installed library that fails inside it; None of any other error."""
+    """Return the error for a failed import of an installed library, or None for any other error."""
     frames = traceback.extract_tb(error.__traceback__)
-    # of the user: the file, and other files that it imports
+    # the user's file, and other files that it imports
     own = [place for place, frame in enumerate(frames) if frame.filename == str(file) or not _installed(frame.filename)]
     beyond = frames[own[-1] + 1:] if own else []
     inside = [frame for frame in beyond if not frame.filename.startswith("<")]
@@ -105,7 +105,7 @@ def _installed(file: str) -> bool:
 
 
 def what(error: BaseException) -> str:
-    """Return an error in words for the end of a message; of a CaseError its first lines."""
+    """Return the text of an error for the end of a message; of a CaseError the first lines."""
     if isinstance(error, CaseError):
         lines = [clipped(plain(line), LONGEST) for line in str(error).split("\n")]
         return lines[0] if len(lines) == 1 else "\n  " + first_lines(lines).replace("\n", "\n  ")

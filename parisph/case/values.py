@@ -1,4 +1,4 @@
-"""Rules for every value of a case, in any field. Checked before pydantic converts values.
+"""Rules for every value of a case, checked before pydantic converts values.
 
 pydantic alone accepts True for 1.0 and '0.1' for 0.1, numbers whose squares are infinite, and titles
 with line breaks, which would add lines to a log.
@@ -15,15 +15,15 @@ from pydantic.fields import FieldInfo
 from parisph.base.text import is_plain
 
 LARGEST = 1e30            # in SI units: products of several quantities stay finite
-SMALLEST = 1e-30          # of what must be greater than zero
+SMALLEST = 1e-30          # of values that must be positive
 MOST_VALUES = 10**6       # in one field
 MOST_CHARACTERS = 10_000  # of one text
-FEW = 100                 # values, of which each is looked at for itself
+FEW = 100                 # values: fewer are checked one by one
 _SCALARS = {bool, int, float, str}
 
 
 def faults(fields: Mapping[str, FieldInfo], data: Mapping[str, Any]) -> Iterator[tuple[str, str, Any, str]]:
-    """Yield (field, place in it, value, what it must be) for each value that is not allowed.
+    """Yield (field, place in it, value, limit) for each value that is not allowed.
 
     fields : {name: pydantic FieldInfo}; data : {name: value} before validation. The place is '' or as '[1]'.
     """
@@ -40,7 +40,7 @@ def faults(fields: Mapping[str, FieldInfo], data: Mapping[str, Any]) -> Iterator
 
 
 def _are_sound(value: Any, kinds: set[type]) -> bool:
-    """Return whether a value is a long tuple of numbers none of which can be wrong: it takes long to go through one."""
+    """Return whether a value is a long tuple of allowed floats, which is quicker than a check one by one."""
     if type(value) is not tuple or not FEW < len(value) <= MOST_VALUES or float not in kinds:
         return False
     if set(map(type, value)) != {float}:
@@ -52,7 +52,7 @@ def _are_sound(value: Any, kinds: set[type]) -> bool:
 def _fault(item: Any, kinds: set[type], positive: bool) -> str | None:
     flag = isinstance(item, (bool, np.bool_))
     if kinds == {bool}:
-        # a record is for pydantic, which knows whether the field may hold one
+        # pydantic knows whether the field may be a record
         return None if flag or hasattr(type(item), "model_fields") else "True or False"
     if flag and bool not in kinds:
         return "a text" if kinds == {str} else "a number"
@@ -79,7 +79,7 @@ def _fault_of_size(number: Any, positive: bool) -> str | None:
     except OverflowError:       # an integer of hundreds of digits
         size = 2.0 * LARGEST
     except (TypeError, ValueError):
-        return None             # complex, say: pydantic names what it wants
+        return None             # such as complex: pydantic reports it
     if LARGEST < size < np.inf:
         return f"at most {LARGEST:g} in size"
     return f"at least {SMALLEST:g}" if positive and 0.0 < size < SMALLEST else None
@@ -95,7 +95,7 @@ def _items(value: Any, place: tuple[int, ...] = (), depth: int = 3) -> Iterator[
 
 
 def _kinds(annotation: Any) -> set[type]:
-    """Return which of bool, int, float and str an annotation mentions; a Literal of texts counts as str."""
+    """Return the types among bool, int, float and str in an annotation; a Literal of texts counts as str."""
     if typing.get_origin(annotation) is typing.Literal:
         return {type(value) for value in typing.get_args(annotation)} & _SCALARS
     found = {annotation} & _SCALARS if isinstance(annotation, type) else set()

@@ -1,4 +1,4 @@
-"""The waves of a case: how high, long and frequent they are, and at which rate they strain the water."""
+"""The waves of a case: their heights, lengths and periods, and their rates of strain."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,21 +28,21 @@ from parisph.case.waves import (
     wave_number,
 )
 
-LINEAR = "the start or the motion of the tank"    # what makes the waves of level water, in place of a field's name
-TIMES = 600     # in a run: when the greatest elevation of a Sloshing is looked for
+LINEAR = "the start or the motion of the tank"    # cause of the waves of level water, in place of a field's name
+TIMES = 600     # in a run, at which the greatest elevation of a Sloshing is searched
 AROUND = 1.5    # lengths of a wave to both sides of its crest, over which the rate of strain is averaged
 ACROSS, UP, PHASES = 48, 12, 16    # places and times of this mean
-APART = 1e-3    # of the depth: distance of the places between which velocities change
+APART = 1e-3    # of the depth: half the distance of central differences
 
 
 @dataclass(frozen=True)
 class Size:
     """The size of a wave: of irregular waves the significant height, and length and period of the peak.
 
-    name : of the field that has the wave, for messages; wave : the record; height, length, depth [m]; period [s]
+    name : of the field of the wave, for messages; wave : the record; height, length, depth [m]; period [s]
 
-    The length of a solitary wave is 2 pi/m, where its elevation falls as exp(-m x) far from the crest, and its period
-    is the time in which it goes so far.
+    The length of a solitary wave is 2 pi/m, where its elevation falls as exp(-m x) far from the crest, and its
+    period is the time in which it runs this length.
     """
 
     name: str
@@ -78,10 +78,7 @@ def waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
 
 
 def _made_by(body: Body, case: Scene) -> Airy | None:
-    """Return the wave that a piston or a flap with a harmonic motion makes, by linear theory; None of other walls.
-
-    There is none either where gravity is not straight down.
-    """
+    """Return the wave of a harmonic piston or flap by linear theory, if gravity points down; else None."""
     motion, gravity = getattr(body, "motion", None), uniform_field(case.gravity)
     if not isinstance(body, (Piston, Flap)) or not isinstance(motion, (Sway, Roll)) or gravity is None:
         return None
@@ -98,7 +95,7 @@ def _made_by(body: Body, case: Scene) -> Airy | None:
         height *= (depth - hinge) * flap_ratio(k, depth, hinge)
     try:
         return Airy(height=height, period=2.0 * np.pi / motion.omega, depth=depth, g=g)
-    except CaseError:    # one that would break
+    except CaseError:    # it would break
         return None
 
 
@@ -125,9 +122,9 @@ def size_of(name: str, wave: AnyWave, stop: float) -> Size:
 
 
 def strain_rate(size: Size, width: float) -> float:
-    """Return the greatest rate sqrt(2 S:S) [1/s] in the mean over water at which a wave strains it.
+    """Return the greatest spatial mean of the rate of strain sqrt(2 S:S) [1/s] of a wave.
 
-    width : of the water [m]; waves are taken to be all over it but a solitary one
+    width : of the water [m], over which all waves except solitary ones extend
     """
     wave, d = size.wave, size.depth
     middle = getattr(wave, "at", 0.0)
@@ -144,7 +141,7 @@ def strain_rate(size: Size, width: float) -> float:
 
 
 def _mean_rate(wave: AnyWave, x: Floats, y: Floats, t: float, h: float) -> float:
-    """Return the mean of sqrt(2 S:S) [1/s] at places x, y (n,) [m], of a flow without divergence and vorticity."""
+    """Return the mean of sqrt(2 S:S) [1/s] at places x, y (n,) [m] in an irrotational flow without divergence."""
     right, left = wave.velocity(x + h, y, t), wave.velocity(x - h, y, t)
     along, across = (right[0] - left[0]) / (2.0 * h), (right[1] - left[1]) / (2.0 * h)
     return float(np.mean(2.0 * np.hypot(along, across)))

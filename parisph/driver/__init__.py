@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from parisph.driver.simulation import Simulation
 else:
     def __getattr__(name: str) -> object:
-        """Load the engine when first asked for: describing a case must work where there is no MPI.
+        """Load the engine on first use: describing a case must work without MPI.
 
-        Raises MissingLibrary where there is none.
+        Raises MissingLibrary if MPI is missing.
         """
         if name not in __all__:
             raise AttributeError(f"module 'parisph.driver' has no attribute {name!r}")

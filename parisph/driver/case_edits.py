@@ -1,4 +1,4 @@
-"""What a restart makes of a case.json that was edited: it takes what changes no result, and refuses the rest."""
+"""Edits of a case.json before a restart: those that change no result are taken, others refused."""
 
 import math
 from collections.abc import Iterator
@@ -10,13 +10,13 @@ from parisph.base.reading import read_text
 from parisph.base.text import listed, named, shown
 from parisph.case.stored import from_json
 
-# How far a run goes, and when it is written: the steps do not depend on it.
+# The length of a run, and the times of its output: the steps do not depend on them.
 TAKEN = ("end_time", "title", "output.every", "output.times", "output.checkpoint_every")
 FEW = 400    # characters of the edits in a message
 
 
 def edits(folder: Path, saved: str) -> dict[str, Any]:
-    """Return {name: new value} of the edits that a restart takes from the case.json in the folder of its run.
+    """Return {name: new value} of the edits that a restart takes from the case.json of its run.
 
     saved : the case in the checkpoint, as JSON text
 
@@ -39,7 +39,7 @@ def edits(folder: Path, saved: str) -> dict[str, Any]:
             f"{named(path)} was edited: {what}.\n"
             f"A restart takes edits of {', '.join(TAKEN)} alone, as all others would make another run of it.\n"
             f"To run the edited case from its start: parisph run {named(path)} -o DIR\n"
-            f"To go on with the case as it was: move {named(path)} out of its folder; the restart writes it again")
+            f"To continue the original case: move {named(path)} out of its folder; the restart writes it again")
     return {name: new for name, (_, new) in found.items()}
 
 
@@ -50,9 +50,9 @@ def told(taken: dict[str, Any], folder: Path) -> list[str]:
 
 
 def _differences(old: Any, new: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Yield (name with dots, old, new) of the values in which two nested records differ.
+    """Yield (dotted name, old, new) of the values in which two nested records differ.
 
-    Numerics that the user gave are named once, as those that are used.
+    A value in both `asked` and `numerics` is named once, in `numerics`.
     """
     if isinstance(old, dict) and isinstance(new, dict):
         seen = set()

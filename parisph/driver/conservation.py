@@ -17,13 +17,13 @@ from parisph.watch.probes.energy_probe import Energy
 from parisph.watch.probes.volume import Volume
 from parisph.watch.sampling import ProbeScene, View
 
-EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
+EVERY = 10             # steps between two measurements of the volume, which take a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
-ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow on which no work is done
-ROUNDING = 1e-12       # of the whole energy: a smaller energy in motion is taken for zero
-TORN = 1.5             # times the particles of a level surface: where there are more, its elevation has no meaning
+ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow without work on it
+ROUNDING = 1e-12       # of the total energy: a smaller energy in motion counts as zero
+TORN = 1.5             # times the particles of a level surface: with more, its elevation has no meaning
 RANGES = ("energy", "motion", "kinetic", "volume")
-# why they may be no number
+# why they may not be a number
 REASONS = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
 
 
@@ -31,7 +31,7 @@ REASONS = {"energy": "a velocity or position is out of range", "volume": "nothin
 class Range:
     """A quantity over a run: its initial, current and extreme values, with their times [s].
 
-    missing, missing_since : how often it was not a number, and the first time
+    missing, missing_since : number of values that were not a number, and the time of the first
     """
 
     start: Optional[float] = None
@@ -58,7 +58,7 @@ class Range:
             self.high, self.high_time = value, time
 
     def relative(self, value: float | None) -> float | None:
-        """Return a value relative to the start, minus one; None if that is not defined."""
+        """Return a value relative to the start, minus one; None if undefined."""
         return value / self.start - 1.0 if self.start and value is not None else None
 
     def extremes(self) -> dict[str, float] | None:
@@ -72,18 +72,17 @@ class Range:
 class Conservation:
     """Follows volume and energy through a run, and over restarts.
 
-    The energy is computed in each step, the volume (mean Voronoi cell inside the fluid) once in EVERY
-    steps. Fluid that has left the tank counts with the energy that it had then. The potential energy is
-    relative to the lowest corner of the tank, in the direction of gravity: so the energy is positive, and
-    its change relative to the start has the right sign. The energy in motion is
-    the kinetic energy plus the potential energy above that of the fluid at rest: the energy of the waves,
-    which is small compared with the potential energy of all the water. In water as wide as a tank that is all its
-    walls, it is found from the elevation of the surface, whatever the preset: particles are moved to keep their
-    distances even, which changes the energy of all of them by more than that of waves. It is not known while the
-    surface is torn; if it never is, the energy itself is not judged.
+    The energy is computed in each step, the volume (mean Voronoi cell inside the fluid) every EVERY steps. Fluid that
+    has left the tank counts with its energy at that time. The potential energy is relative to the lowest corner of the
+    tank, in the direction of gravity. So it is positive, and its relative change has the right sign.
 
-    state : dict of an earlier part of the run (`state()`), possibly empty
-    start : {"energy", "volume"} at the start of the run or None, if `state` does not contain it
+    The energy in motion is the kinetic energy plus the potential energy above that of the fluid at rest: the energy of
+    waves, which is small compared with the total potential energy. If a tank is the only wall and the water as wide as
+    it, the elevation of the surface gives the potential energy: regularisation changes that of all particles by more
+    than the energy of waves. It is unknown while the surface is torn. If that happens, the energy itself is not judged.
+
+    state : `state()` of an earlier part of the run, or empty
+    start : {"energy", "volume"} at the start of the run, or None; for a `state` without them
     """
 
     def __init__(self, simulation: Simulation, state: Mapping[str, Any] | None = None,
@@ -117,7 +116,7 @@ class Conservation:
     def content(self) -> dict[str, Any]:
         """Return the entries of summary.json. Not collective."""
         energy, volume, motion = self.energy, self.volume, self.motion
-        nothing = ROUNDING * abs(energy.start or 0.0)    # what rounding leaves of the whole energy
+        nothing = ROUNDING * abs(energy.start or 0.0)    # rounding of the total energy
         start, end, high = (0.0 if value is not None and abs(value) <= nothing else value
                             for value in (motion.start, motion.now, motion.high))
         change = None
@@ -137,7 +136,7 @@ class Conservation:
         }
 
     def passed(self) -> dict[str, str]:
-        """Return {limit that was passed: the line that says so}. Not collective."""
+        """Return {exceeded limit: message}. Not collective."""
         found = {}
         volume, energy = self.volume.extremes(), self.energy.extremes()
         for name in ("low", "high"):
@@ -145,7 +144,7 @@ class Conservation:
                 found[f"volume {name}"] = (
                     f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, more "
                     f"than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
-        judged = self.by_surface and not self.motion.missing    # by driver.diagnostics, as energy in motion
+        judged = self.by_surface and not self.motion.missing    # by driver.diagnostics, from the energy in motion
         if energy and not self.driven and not judged and energy["high"] > ENERGY_LIMIT:
             found["energy"] = (
                 f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though "
@@ -174,8 +173,7 @@ class Conservation:
             self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
 
     def _elevation(self, simulation: Simulation) -> float | None:
-        """Return the potential energy of the surface's elevation about its mean [J/m]; None if it is torn. Collective.
-        """
+        """Return the potential energy of the elevation about its mean [J/m], None for a torn surface. Collective."""
         s, p, scene = simulation, simulation.particles, self._scene
         top = np.concatenate(s.comm.allgather(p.x[(p.kind == FLUID) & (p.role == SURFACE)]))
         width = scene.upper[0] - scene.lower[0]
@@ -195,9 +193,9 @@ class Conservation:
 
 
 def has_level(case: Case, scene: ProbeScene) -> bool:
-    """Return whether the water is as wide as a tank at rest that is all its walls, under gravity straight down.
+    """Return whether the water is as wide as a tank at rest without other walls, with gravity downwards.
 
-    Then its surface has a level, whose height is its volume over the width of the tank.
+    Then its surface has a level: its volume over the width of the tank.
     """
     tank, gravity = case.tank, scene.gravity
     if tank is None or len(case.bodies) > 1 or not isinstance(tank.motion, AtRest) or case.closed:
@@ -220,11 +218,10 @@ def _lowest(scene: ProbeScene) -> float:
 def _rest(case: Case, scene: ProbeScene) -> Callable[[float], float] | None:
     """Return the potential energy at rest as a function of the volume, or None if it is not defined.
 
-    It is defined for a tank with vertical walls under gravity that points down. Particles represent the volumes
-    around them, as at the start (Filling.cells): at rest on the lattice their potential energy is proportional
-    to d^2/2 + s^2/2, where water of depth d has d^2/2, because particles at the bed represent 3/2 cells and
-    those on the surface 1/2. This applies if the water is as wide as the tank; water that flows into another
-    shape comes to rest off the lattice. Without a force there is no potential energy.
+    It is defined for a tank with vertical walls, with gravity downwards. Particles represent the volumes around them,
+    as at the start (Filling.cells): particles at the bed 3/2 cells, those on the surface 1/2. So at rest on the lattice
+    their potential energy is proportional to d^2/2 + s^2/2, that of water of depth d to d^2/2. This applies if the
+    water is as wide as the tank; other water comes to rest off the lattice. Without a force it is 0.
     """
     g, density = scene.gravity, case.density
     if not case.driven and not g.any():

@@ -1,8 +1,7 @@
-"""What a step costs on this machine, for the estimate of `parisph check`.
+"""The cost of a step on this machine, for the estimate of `parisph check`.
 
-The cost of a step has a known shape, measured on one machine (COSTS). The speed of another machine
-is taken from its earlier runs, whose cost is kept in a file in the user's cache folder. Before the
-first run it is taken from a short timing of numpy.
+The cost as a function of the number of particles was measured on one machine (COSTS). The speed of another machine is
+taken from its earlier runs, whose costs are in a file in the user's cache folder, else from a short timing of numpy.
 """
 
 import json
@@ -20,14 +19,14 @@ from parisph.case.numerics import ResolvedNumerics
 # Measured with `python tests/benchmarks/step_cost.py` and with cases/small_sloshing.py on one core of
 # an AMD EPYC (Zen 4): [s] per step, and per particle and step, with and without a position projection.
 COSTS = {True: (1.4e-3, 3.6e-6), False: (0.7e-3, 2.7e-6)}
-ROWS = {"ISPH": 1.7}     # times that, where the rows reach farther
-YARDSTICK = 2.4e-4       # [s] that `yardstick` takes there
-LEAST = 10.0             # [s]: the steps of a shorter run are no measure
-KEPT = 20                # runs whose cost is kept
+ROWS = {"ISPH": 1.7}     # factor of methods whose rows reach farther
+YARDSTICK = 2.4e-4       # [s] of `yardstick` on that machine
+LEAST = 10.0             # [s]: shorter runs are not recorded
+KEPT = 20                # recorded runs
 
 
 def seconds_per_step(numerics: ResolvedNumerics, particles: int) -> tuple[float, str]:
-    """Return the cost of a step on one rank [s], and in words what it rests on. Not collective."""
+    """Return the cost of a step on one rank [s], and its basis in words. Not collective."""
     shape = _on_reference(numerics.method, _projects(numerics), particles)
     runs = [run for run in _runs() if run["processor"] == _processor()]
     if not runs:
@@ -40,9 +39,9 @@ def seconds_per_step(numerics: ResolvedNumerics, particles: int) -> tuple[float,
 
 
 def yardstick() -> float:
-    """Return the shortest time [s] of an operation like those of a step: values of neighbours, arithmetic on them.
+    """Return the shortest time [s] of an operation like those of a step: gather values of neighbours, combine them.
 
-    Its arrays stay in the cache and are made once, so that other jobs on the machine hardly count.
+    Its arrays are made once and stay in the cache, so other jobs on the machine hardly affect it.
     """
     n, neighbours = 5000, 20
     random = np.random.default_rng(0)
@@ -59,9 +58,9 @@ def yardstick() -> float:
 
 
 class Clock:
-    """Times the steps of a run, from the end of the first one on: that one may compile kernels.
+    """Times the steps of a run after the first one, which may compile kernels.
 
-    CPU time, which other jobs on the machine disturb less than the time on the clock.
+    It takes CPU time, which other jobs on the machine affect less than wall time.
     """
 
     def __init__(self) -> None:
@@ -78,10 +77,10 @@ class Clock:
             self._steps += 1
 
     def remember(self, numerics: ResolvedNumerics, particles: int, ranks: int) -> None:
-        """Keep what a step of this run took, for the estimates to come. One rank.
+        """Record the cost of a step of this run for later estimates. One rank.
 
-        Nothing is kept of a short run, or of one with more ranks than cores or on several nodes. A
-        cache folder that cannot be written is no error.
+        Short runs, and runs with more ranks than cores or on several nodes, are not recorded. A cache folder that
+        cannot be written is not an error.
         """
         seconds = (self._last or 0.0) - (self._start or 0.0)
         if seconds < LEAST or ranks > (os.cpu_count() or 1):
@@ -94,7 +93,7 @@ class Clock:
             own = path.with_name(f"{path.name}.{os.getpid()}")    # two runs may end at once
             own.write_text(json.dumps([*_runs(), run][-KEPT:]), encoding="utf-8")
             own.replace(path)
-        except OSError:    # also: there is no home
+        except OSError:    # also if there is no home folder
             pass
 
 
@@ -114,7 +113,7 @@ def _file() -> Path:
 
 
 def _runs() -> list[dict[str, Any]]:
-    """Return the runs that are kept, oldest first; none if the file is missing or cannot be understood."""
+    """Return the recorded runs, oldest first; none if the file is missing or invalid."""
     try:
         runs = json.loads(_file().read_text(encoding="utf-8"))
         return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0
@@ -124,7 +123,7 @@ def _runs() -> list[dict[str, Any]]:
 
 
 def _processor() -> str:
-    """Return the name of the processor: the nodes of a cluster that share a home may differ."""
+    """Return the name of the processor: cluster nodes that share a home may differ."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))

@@ -1,4 +1,4 @@
-"""Diagnostics of a run: measures that tell of a wrong flow, their limits, and what to do."""
+"""Diagnostics of a run: measures that reveal a wrong flow, their limits, and remedies."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +25,7 @@ from parisph.watch.sampling import ProbeScene
 
 
 class Limit(NamedTuple):
-    """A limit of a measure: its value, the range in which it may be put, where this comes from, and what helps."""
+    """A limit of a measure: its value, the range of sensible values, their source, and a remedy."""
 
     value: float
     range: tuple[float, float]
@@ -33,56 +33,56 @@ class Limit(NamedTuple):
     advice: str
 
 
-# Tried: a steep gentle wave that is far off these limits in a period keeps them with "violent"; a violent one with 1.08
-# of its energy after 10 periods has 1.00 with "gentle"; a gentle one that breaks down after 9 periods, d/s = 10, keeps
-# all limits with 20; and a filter that takes 26 % of a wave takes 17 %.
+# Remedies tried: a steep gentle wave far beyond these limits within a period keeps them with "violent"; a violent one
+# with 1.08 of its energy after 10 periods has 1.00 with "gentle"; a gentle one that breaks down after 9 periods,
+# d/s = 10, keeps all limits with 20; and a filter that takes 26 % of a wave takes 17 %.
 FINER = "use a smaller spacing"
 OTHER = f"{FINER}, or {{other}}"
 PRESETS = {"violent": 'preset="violent" for steep or breaking waves',
            "gentle": 'preset="gentle" for waves that do not break'}
 LIMITS = {
-    # kinetic energy over all energy in motion at the start, of a flow on which no work is done: it cannot be above 1
+    # kinetic energy over all energy in motion at the start, of a flow without work on it: at most 1 in reality
     "motion": Limit(1.05, (1.02, 1.2), "runs that are right: 1.00; waves that feed on errors: 1.1 to 3", OTHER),
-    # energy in motion by the surface over that at the start, of the same flow: it may lag behind by a part of a wave
+    # energy in motion from the surface over that at the start, of the same flow; it may lag by part of a wave
     "grown": Limit(1.2, (1.1, 1.5), "standing waves, ten to forty particles long: 1.00 to 1.05; those that feed on "
                    "errors: 1.35 and more", OTHER),
     # mean level of a tank over the height of its waves, both means over LASTING
     "level": Limit(0.05, (0.03, 0.1), "standing waves: 0.01; those that break down: 0.1 to 1", OTHER),
-    # height of a wave at a gauge over the median of all, where waves come regularly and should all be alike
+    # height of a wave at a gauge, relative to the median, for regular waves that should be equal
     "height": Limit(0.15, (0.05, 0.3), "flumes: 0.05; waves that lose half of it in 50 periods: 0.5", FINER),
     # least distance of two particles over the spacing
     "pair": Limit(0.2, (0.1, 0.4), "impacts and breaking waves: 0.43 or more; waves before they break down: 0.01",
                   OTHER),
-    # water that has left an open tank over all that was in it
+    # water that has left an open tank over all water at the start
     "lost": Limit(1e-3, (1e-4, 1e-2), "a particle of a thousand", "make the walls higher"),
 }
-CALM = 1e-8        # of the whole energy: waves of a ten-thousandth of the depth, and less, are none
-EVERY = 10         # steps between two looks
-GAUGES = 16        # in the middles of equal parts of the tank: their mean is free of the first 31 modes
-LASTING = 20.0     # sqrt(d/g), over which levels and heights are averaged: three periods of a wave as long as the tank
-SHORT = 0.05       # of that, from one look at the level to the next at least: gauges take as long as a small step
-RESOLVED = 1e-3    # spacings: a lower level is not looked at
-LOWEST = 0.02      # spacings: nor are waves less high
-WAVES = 8          # fewest waves of a gauge that are compared
-REGULAR = 0.1      # spread of their periods, from the first to the last tenth over the median
-GROWN = 0.8        # of the median height: where waves begin
-# Kinetic energy over all energy at the start, of a flow on which no work is done: it cannot be above 1. Explosions that
-# calm down, with parts of methods that no preset has, were seen to come to 3.5; others went on to 1e5 and more within
-# some hundred steps. All the water would have ten times the speed that its energy allows.
+CALM = 1e-8        # of the total energy: lower waves, of a ten-thousandth of the depth, count as none
+EVERY = 10         # steps between two measurements
+GAUGES = 16        # in the middles of equal parts of the tank: their mean excludes the first 31 modes
+LASTING = 20.0     # sqrt(d/g), averaging time of levels and heights: three periods of a wave as long as the tank
+SHORT = 0.05       # of that, between two measurements of the level at least: gauges take as long as a small step
+RESOLVED = 1e-3    # spacings: a smaller error of the level is ignored
+LOWEST = 0.02      # spacings: lower waves are ignored
+WAVES = 8          # fewest waves that a gauge needs for a comparison
+REGULAR = 0.1      # of the median period: spread of the periods from the first to the last decile
+GROWN = 0.8        # of the median height: the first wave as high begins the comparison
+# Kinetic energy over all energy at the start, of a flow without work on it: at most 1 in reality. Explosions that
+# calm down, with parts of methods that no preset has, reached 3.5; others went on to 1e5 and more within some hundred
+# steps. At this limit all water has ten times the speed that its energy allows.
 EXPLODED = 100.0
-RISES = ("energy", "motion", "grown")    # limits of energy without a source
-FRONT = 3          # waves after that which are not yet like the others: the front of a train is higher
+RISES = ("energy", "motion", "grown")    # limits of energy without work
+FRONT = 3          # waves after that to skip: the front of a train is higher
 
 
 @dataclass
 class Seen:
-    """What a run has shown so far, as a checkpoint keeps it.
+    """The measures of a run so far, as in a checkpoint.
 
     pair [s], pair_time [s] : the least distance of two particles
-    time [s] : of the last look
-    mean, square : averages over LASTING of the level's error [m] and of the elevation squared about it [m2]
-    off, off_time, off_height : the worst level [m], when [s], and the height of the waves until then [m]
-    high : the greatest height [m]
+    time [s] : of the last measurement of the level
+    mean, square : averages over LASTING of the error of the level [m] and of the variance of the elevation [m2]
+    off, off_time, off_height : largest error of the level [m], its time [s], height of the waves until then [m]
+    high : the greatest height of waves [m]
     """
 
     pair: float = math.inf
@@ -97,15 +97,15 @@ class Seen:
 
 
 def advice(limit: Limit, preset: str) -> str:
-    """Return what helps a run with a preset, which it names no more."""
+    """Return the remedy of a limit, without naming the preset in use."""
     used = "gentle" if preset == "solitary" else preset
     return limit.advice.format(other=" and ".join(text for name, text in PRESETS.items() if name != used))
 
 
 class Diagnostics:
-    """Looks at energy, volume, pairs and the mean level on the way, and at the end at all that has a limit.
+    """Measures energy, volume, pairs and the mean level during a run, and compares all with their limits.
 
-    state : of an earlier part of the run (`state()`), possibly empty; start : as of Conservation
+    state : `state()` of an earlier part of the run, or empty; start : as of Conservation
     """
 
     def __init__(self, simulation: Simulation, state: Mapping[str, Any], start: Mapping[str, float | None]) -> None:
@@ -124,7 +124,7 @@ class Diagnostics:
         self._left, self._gone = 0.0, 0
 
     def step(self, simulation: Simulation) -> None:
-        """Measure what is to be measured after a step. Collective."""
+        """Measure what is due after a step. Collective."""
         self.conservation.step(simulation)
         if simulation.steps % EVERY == 0:
             self._look(simulation)
@@ -151,13 +151,13 @@ class Diagnostics:
         return {"conservation": self.conservation.state(), "doubts": asdict(self._seen)}
 
     def passed(self) -> dict[str, str]:
-        """Return {limit that was passed on the way: the line that says so}. Not collective."""
+        """Return {limit exceeded so far: message}. Not collective."""
         return {**self.conservation.passed(), **dict((*self._of_motion(), *self._of_level(), *self._of_pairs()))}
 
     def check(self) -> None:
-        """Raise SolverDiverged if the flow has exploded: its run would take ever shorter steps to its end.
+        """Raise SolverDiverged if the flow has exploded: the run would take ever shorter steps.
 
-        Not collective: the numbers are the same on all ranks.
+        Not collective: the numbers are equal on all ranks.
         """
         conservation = self.conservation
         start, now = conservation.energy.start, conservation.kinetic.now
@@ -169,11 +169,11 @@ class Diagnostics:
 
     @property
     def lost(self) -> float:
-        """Share of the water that has left the tank."""
+        """Fraction of the water that has left the tank."""
         return self._left / self._start if self._start else 0.0
 
     def of_loss(self) -> list[str]:
-        """Return a line for water that has left the tank. Not collective."""
+        """Return a warning about water that has left the tank, if it exceeds the limit. Not collective."""
         limit = LIMITS["lost"]
         if not self.lost > limit.value:
             return []
@@ -181,14 +181,14 @@ class Diagnostics:
                 f"rim: {limit.advice}"]
 
     def _look_at_level(self, time: float, elevations: Floats, volume: float) -> None:
-        """Average the error of the level, and its variance; the level is right where the water fills its tank."""
+        """Average the error of the level, from the volume of the water, and the variance of the elevation."""
         seen = self._seen
         error = elevations.mean() - self._bed - volume / self._width
         share = 1.0 if seen.time is None else -math.expm1(-(time - seen.time) / (LASTING * self._unit))
         seen.time = time
         seen.mean += share * (error - seen.mean)
         seen.square += share * (elevations.var() - seen.square)
-        seen.high = max(seen.high, 4.0 * math.sqrt(seen.square))    # as of a significant height
+        seen.high = max(seen.high, 4.0 * math.sqrt(seen.square))    # as in a significant height
         if abs(seen.mean) > abs(seen.off):
             seen.off, seen.off_time, seen.off_height = seen.mean, time, seen.high
 
@@ -223,25 +223,25 @@ class Diagnostics:
 
     @staticmethod
     def _volume(simulation: Simulation) -> float:
-        """Return the volume of the fluid [m^dim], of which walls have none. Collective."""
+        """Return the volume of the fluid [m^dim]; walls have none. Collective."""
         total: float = simulation.comm.allreduce(float(simulation.particles.volume.sum()))
         return total
 
 
 def first_rise(passed: Mapping[str, float]) -> str | None:
-    """Return when energy first rose beyond its limit, as a line of a message, None if it did not.
+    """Return a line with the time when energy first exceeded a limit, or None.
 
-    passed : {limit: time [s] at which it was passed}
+    passed : {limit: time [s] of its excess}
     """
     times = [passed[name] for name in RISES if name in passed]
     return f"  energy first rose beyond its limit at t = {min(times):.4g} s" if times else None
 
 
 def of_gauges(case: Case, run: Run) -> list[str]:
-    """Return one line for the gauge at which regular waves that should be alike are least so. Not collective.
+    """Return one line for the gauge with the largest error among those of regular waves that should be equal.
 
-    Those are waves of a start that nothing drives or damps, and those of a body that moves or a zone with a zone behind
-    them that takes them up.
+    These are waves of a start that nothing drives or damps, and waves of a moving body or a zone with a zone behind
+    them that absorbs them. Not collective.
     """
     if case.constant_force is None or case.viscosity or case.friction is not None or bool(case.zones) != _makes(case):
         return []
@@ -256,13 +256,13 @@ def of_gauges(case: Case, run: Run) -> list[str]:
     if abs(share) <= limit.value:
         return []
     return [f"a wave at the gauge {name} was {share:+.0%} off the middle one in height, at t = {when:.4g} s, though "
-            f"all should be alike: {limit.advice}"]
+            f"all should be equal: {limit.advice}"]
 
 
 def heights(time: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Return the beginnings (n,) [s] and heights (n,) [m] of the waves of a signal that are as high as others.
+    """Return the beginnings (n,) [s] and heights (n,) [m] of the waves of a signal after the front of the train.
 
-    A wave is between two crossings of the mean and the trend, upwards. There is none if they do not come regularly.
+    A wave is between two upward crossings of the linear trend. Returns none if their periods are irregular.
     """
     trend = np.polyval(np.polyfit(time, y, 1), time)
     up = np.flatnonzero((y[:-1] < trend[:-1]) & (y[1:] >= trend[1:]))
@@ -278,9 +278,9 @@ def heights(time: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def _uneven(time: Floats, y: Floats, spacing: float) -> tuple[float, float]:
-    """Return by which share the worst wave of a signal is off the median in height, and when it begins [s].
+    """Return the largest relative deviation of a wave's height from the median, and its beginning [s].
 
-    0 for too few waves, or for such as are too low.
+    0 for too few or too low waves.
     """
     begins, high = heights(time, y) if len(time) > 2 else (np.empty(0), np.empty(0))
     if len(high) < WAVES or np.median(high) < LOWEST * spacing:
@@ -297,13 +297,13 @@ def _makes(case: Case) -> bool:
 
 
 def _across(case: Case) -> Sequence[SurfaceGauge]:
-    """Return gauges across the water of an open tank whose level is known: gravity is down in its frame."""
+    """Return gauges across the water of an open tank if its level is known, with gravity downwards in its frame."""
     scene = ProbeScene.of(case)
     if case.lidded or case.dim != 2 or case.lone_tank is None:
         return ()
     if scene.gravity[0] != 0.0 or not scene.gravity[-1] < 0.0:
         return ()
-    if case.fluid_bounds[0][-1] > scene.lower[-1] + case.numerics.spacing:    # water in the air has no level
+    if case.fluid_bounds[0][-1] > scene.lower[-1] + case.numerics.spacing:    # falling water has no level
         return ()
     places = scene.lower[0] + (np.arange(GAUGES) + 0.5) * (scene.upper[0] - scene.lower[0]) / GAUGES
     return tuple(SurfaceGauge(f"level-{number}", at=float(at)) for number, at in enumerate(places))
@@ -312,6 +312,6 @@ def _across(case: Case) -> Sequence[SurfaceGauge]:
 def _noise(simulation: Simulation) -> float:
     """Return three standard deviations of the potential energy of a jittered start [J/m, J in 3D]. Collective."""
     n, case = simulation.numerics, simulation.case
-    lift = n.jitter * n.spacing / math.sqrt(12.0)    # of an even distribution
+    lift = n.jitter * n.spacing / math.sqrt(12.0)    # of a uniform distribution
     weights = simulation.particles.volume * case.density * float(np.abs(ProbeScene.of(case).gravity).max())
     return 3.0 * lift * math.sqrt(simulation.comm.allreduce(float((weights**2).sum())))

@@ -1,4 +1,4 @@
-"""How many steps a case takes, how long these are, and which cases would never end."""
+"""Estimates of the number and length of the steps of a case."""
 
 import math
 from collections.abc import Iterator
@@ -19,26 +19,23 @@ from parisph.methods.step_numbers import BRISK, IMPACT, WAVE_LEAST, WAVE_STRAIN
 
 
 def waves_of(case: Case, expected: scales.Scales) -> list[Size]:
-    """Return the Size of each wave of a case, by linear theory of one that has no name in it."""
+    """Return the Size of each wave of a case, else of the expected wave by linear theory."""
     found = sizes(case)
     return found + ([expected.wave] if expected.wave is not None and not found else [])
 
 
 def faults(case: Case) -> Iterator[str]:
-    """Yield what makes a run endless that case.time_checks cannot see: the steps of viscous fluid."""
+    """Yield a fault if the steps of viscous fluid make a run endless (see also case.time_checks)."""
     n, limit = case.numerics.resolved(), stable_step(case)
     if METHODS[n.method].step != "compressible" and case.end_time > MOST_STEPS * limit:
-        most = 0.95 * viscous.STABLE * n.spacing**2 * MOST_STEPS / case.end_time    # as it is rounded
+        most = 0.95 * viscous.STABLE * n.spacing**2 * MOST_STEPS / case.end_time    # allows for rounding
         yield (f"fluid.viscosity = {case.viscosity:g} m2/s: takes steps of {limit:.2g} s to be stable, some "
                f"{case.end_time / limit:.1e} of them until end_time = {case.end_time:g} s, at most {MOST_STEPS:g} can "
                f"be computed; use at most {most:.2g} (water has 1e-6), a larger spacing, or run shorter")
 
 
 def estimated_steps(case: Case, numerics: ResolvedNumerics, expected: scales.Scales) -> int:
-    """Return the number of steps: exact if the step is fixed, else an estimate, good to a factor of two or so.
-
-    expected : of the case
-    """
+    """Return the number of steps: exact for a fixed step, else an estimate within a factor of about two."""
     if numerics.time_step is not None:
         return round(case.end_time / min(numerics.time_step, stable_step(case)))
     move = numerics.cfl * numerics.spacing
@@ -56,7 +53,7 @@ def estimated_steps(case: Case, numerics: ResolvedNumerics, expected: scales.Sca
 
 
 def _by_strain(case: Case, n: ResolvedNumerics, expected: scales.Scales) -> float:
-    """Return the steps in a second [1/s] that the strain of waves asks for (methods.timestep)."""
+    """Return the steps per second [1/s] that the strain of waves requires (methods.timestep)."""
     if not n.wave_step:
         return 0.0
     lower, upper = case.fluid_bounds
@@ -66,7 +63,7 @@ def _by_strain(case: Case, n: ResolvedNumerics, expected: scales.Scales) -> floa
 
 
 def stable_step(case: Case) -> float:
-    """Return the longest step [s] that viscosity, or the sound of weakly compressible fluid, allows; infinite without
+    """Return the longest step [s] for viscosity, or for the sound of weakly compressible fluid; infinite without
     them."""
     n, s = case.numerics, case.numerics.spacing
     if METHODS[n.method].step == "compressible":
@@ -75,7 +72,7 @@ def stable_step(case: Case) -> float:
 
 
 def longest_of(case: Case, n: ResolvedNumerics) -> float:
-    """Return the longest step [s] that the case allows, whatever the flow."""
+    """Return the longest step [s] of a case that does not depend on the flow."""
     by_walls = n.cfl * n.spacing / wall_speed(case) if n.cfl and wall_speed(case) > 0.0 else math.inf
     return min(longest_step(case), by_walls, n.max_time_step or math.inf, stable_step(case))
 
@@ -86,7 +83,7 @@ def rounded(number: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time [s] for people, with two digits."""
+    """Return a time [s] as text in a suitable unit, with two digits."""
     for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * length:
             return f"{rounded(seconds / length)} {unit}"

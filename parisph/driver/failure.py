@@ -1,4 +1,4 @@
-"""The message of a run that fails: the cause, the step, and the particles to look at."""
+"""The message of a failed run: the cause, the step, and the worst particles."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,7 +11,7 @@ from parisph.case.numerics import ResolvedNumerics
 from parisph.driver.simulation import Simulation
 from parisph.parallel.particles import Particles
 
-WORST = 5       # particles that are named
+WORST = 5       # named particles
 HUGE = 1e300    # faster than any particle
 
 
@@ -21,7 +21,7 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
 
     error : ParisphError, on every rank
     last_checkpoint : path or None
-    note : a further line, for a particle that is lost and a flow that has diverged
+    note : a further line, for a lost particle or a diverged flow
     """
     if isinstance(error, (Interrupted, StoreError)):
         return error
@@ -45,7 +45,7 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
 
 
 def _beyond_range(numerics: ResolvedNumerics) -> str:
-    """Return advice for numerics of waves that do not break, and for a surface that keeps its particles."""
+    """Return a remedy for numerics of non-breaking waves, and for surface_rule="frozen"."""
     frozen = numerics.surface_rule == "frozen"
     chosen = 'surface_rule="frozen"' if frozen else f'preset="{numerics.preset}"'
     instead = 'surface_rule="gap"' if frozen else 'preset="violent"'
@@ -53,7 +53,7 @@ def _beyond_range(numerics: ResolvedNumerics) -> str:
 
 
 def suspects(simulation: Simulation, bad_force: float | None = None, count: int = WORST) -> list[str]:
-    """Describe the worst particles: those with values that are not finite, then the fastest. Collective.
+    """Describe the worst particles: first those with non-finite values, then the fastest. Collective.
 
     bad_force : time [s] at which the body force is checked too, or None
     """

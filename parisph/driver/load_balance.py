@@ -11,7 +11,7 @@ COUNTED = ("owned", "ghosts", "neighbours", "work")
 
 
 class LoadBalance:
-    """Counts what ranks have and send, from the state of a simulation on."""
+    """Counts the particles and messages of ranks from now on."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._before = _so_far(simulation)
@@ -19,9 +19,9 @@ class LoadBalance:
     def content(self, simulation: Simulation, comm: MPI.Comm) -> dict[str, Any]:
         """Return the entry `shares` of summary.json, the same on all ranks of `comm`. Collective there.
 
-        {"max", "mean"} over the ranks now: owned particles, ghosts, neighbours (ranks that receive ghosts of this
-        one), work (parallel.work). imbalance: the largest work over the mean. Per step: updates (messages to every
-        neighbour), plans (particles change rank), lists (neighbours are found anew).
+        {"max", "mean"} over the ranks now: owned particles, ghosts, neighbours (ranks that receive ghosts of this one),
+        work (parallel.work). imbalance: the largest work over the mean. Per step: updates (messages to every
+        neighbour), plans (particles change rank), lists (new neighbour lists).
         """
         s = simulation
         p, domain = s.particles, s.domain

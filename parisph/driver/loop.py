@@ -39,8 +39,8 @@ from parisph.pressure.trial import versions
 from parisph.watch import instruments
 from parisph.watch.sampling import Sampler
 
-WALL_CLOCK = 600.0  # [s] between checkpoints at most, whatever the case says
-SAVE = 1            # request of a rank at the end of a step; above it: the signal to stop
+WALL_CLOCK = 600.0  # [s]: longest wall time between checkpoints
+SAVE = 1            # request of a rank at the end of a step; plus the number of a signal to stop
 
 
 def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | None = None, progress: bool = True,
@@ -50,11 +50,10 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
     case : Case; comm : mpi4py communicator; out : folder, without an earlier run
     petsc_options : list of str; progress : whether rank 0 shows progress
     overwrite : whether to move an earlier run in `out` to `out`.old, `out`.old-2, ...; nothing is ever removed
-    force : whether to use a folder that is locked by a process which may or may not still run
+    force : whether to use a folder locked by a process that may still run
 
-    Raises:
-    CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then
-    contains summary.json and all results so far, unless it held a run already (CaseError).
+    Raises CaseError, SolverDiverged, ParticleLost, StoreError or Interrupted on every rank; the folder then contains
+    summary.json and all results so far, unless it already contained a run (CaseError).
     """
     with guarded(comm, "run"), _signals(comm) as signals:
         made, old = (on_first(comm, f"start a run in {out}",
@@ -76,16 +75,14 @@ def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyP
             petsc_options: list[str] | None = None, progress: bool = True, force: bool = False) -> dict[str, Any]:
     """Continue a run from its last checkpoint, or from a given one, on any number of ranks. Collective.
 
-    A run that was killed before its first checkpoint begins again. A run that was killed between its last
-    checkpoint and its summary is completed.
+    A run killed before its first checkpoint begins again. One killed after its last checkpoint is completed.
 
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder to continue in,
     without an earlier run; the same folder by default. Other parameters as for `run`.
 
-    Raises:
-    As `run`, and on every rank before anything is changed: CaseError if `out` holds another run, if results
-    of the same folder after the checkpoint would be lost, or if there is nothing left to do; StoreError if
-    the folder is in use, or one of its files is damaged.
+    Raises as `run`, and on every rank before anything is changed: CaseError if `out` contains another run, if results
+    of the same folder after the checkpoint would be lost, or if nothing is left to do; StoreError for a folder in use
+    or a damaged file.
     """
     with guarded(comm, "restart"), _signals(comm) as signals:
         return _restarted(signals, path, comm, until, out, petsc_options, progress, force)
@@ -132,7 +129,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
 
 @contextmanager
 def _signals(comm: MPI.Comm) -> Iterator[Signals]:
-    """Return the active Signals, extended so that a second signal ends all ranks at once, whatever they do."""
+    """Activate Signals; a second signal ends all ranks at once."""
     with Signals.active() as signals:
         signals.over(comm)
         yield signals
@@ -141,7 +138,7 @@ def _signals(comm: MPI.Comm) -> Iterator[Signals]:
 @contextmanager
 def _built(case: Case, comm: MPI.Comm, petsc_options: list[str] | None,
            start: Checkpoint | None = None) -> Iterator[Simulation]:
-    """Make a Simulation and free it at the end, unless an error is on one rank only."""
+    """Make a Simulation and free it at the end, except after an error on only one rank."""
     simulation = Simulation(case, comm, petsc_options, start)
     try:
         yield simulation
@@ -153,12 +150,12 @@ def _built(case: Case, comm: MPI.Comm, petsc_options: list[str] | None,
 
 
 class _Run:
-    """The steps of one run, and everything around them."""
+    """The steps of one run, its output and its end."""
 
     def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account,
                  progress: Progress, state: Mapping[str, Any] | None = None, source: Path | None = None,
                  flows: Sequence[Share] = ()) -> None:
-        """state, flows : in the checkpoint; source : folder of the earlier run, if this one is another."""
+        """state, flows : of the checkpoint; source : folder of the earlier run, if different."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = progress
@@ -176,18 +173,18 @@ class _Run:
     def go(self, signals: Signals, first: bool) -> dict[str, Any]:
         """Take all steps and return the summary. Collective.
 
-        signals : Signals that may ask the run to stop; first : whether this is a new run, not a restart
+        signals : requests to stop the run; first : whether this is a new run, not a restart
         """
         error, self.signals = None, signals
         signals.left = f"{self.store.folder} has no checkpoint yet: parisph restart {self.store.folder} begins it again"
         try:
-            # what is not a number is found by the checks of each step, which say more than numpy
+            # the checks of each step report more than numpy
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 self._open(first)
                 self._pause()
                 while not self.simulation.finished():
                     self._step()
-                    # disabled by the command line; a script that has disabled it keeps it so
+                    # disabled by the command line; if a script disabled it, it stays so
                     if not gc.isenabled() and gc.get_freeze_count():
                         gc.freeze()
                         gc.enable()
@@ -227,7 +224,7 @@ class _Run:
             self._write(self.watch.at_start())
             self._snapshot()
             self._save()
-        # as in _step: else what was due at the checkpoint would be due again
+        # as in _step: or what was due at the checkpoint would be due again
         self.snapshots.skip(s.nearest)
         self.checkpoints.skip(s.nearest)
 
@@ -238,7 +235,7 @@ class _Run:
         lines = self.watch.after_step()
         with s.timers("store"):
             self._write(lines, {"steps": tuple(report.line().values())})
-            if self.snapshots.due(s.nearest) or s.finished():    # and before the checkpoint, which follows
+            if self.snapshots.due(s.nearest) or s.finished():    # before the checkpoint
                 self._snapshot()
             self.peaks.write(self.store)
         with s.timers("probes"):
@@ -249,8 +246,7 @@ class _Run:
         self._pause(self.checkpoints.due(s.nearest))
 
     def _judge(self) -> None:
-        """Say once which limits the flow has passed, and stop if it has exploded. Raises SolverDiverged on all ranks.
-        """
+        """Warn once of each exceeded limit. Raises SolverDiverged on all ranks if the flow has exploded."""
         for line in self.account.news(self.simulation.time):
             self.progress.close()
             log.logger.warning(line)
@@ -258,7 +254,7 @@ class _Run:
             self.account.diagnostics.check()
 
     def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
-        """Write the lines of probes, after those of the step itself. Collective."""
+        """Write the lines of the step, then those of probes. Collective."""
         s = self.simulation
         named = [(time, step, {f"probes/{name}": line for name, line in values.items()})
                  for time, step, values in lines]
@@ -310,28 +306,28 @@ class _Run:
     def _abandon(self, fault: BaseException) -> None:
         """Write a summary after an error that may be on this rank only. Not collective.
 
-        The other ranks may wait elsewhere, so the summary contains only what this rank knows.
+        Other ranks may wait elsewhere, so the summary contains only the data of this rank.
         """
         self.progress.close()
         status = f"failed: rank {self.comm.rank}: {type(fault).__name__}: {fault}".removesuffix(": ")
         if isinstance(fault, KeyboardInterrupt):
             status = "interrupted"
         log.logger.debug(status)
-        own = self.store.folder / f"summary-{self.comm.rank}.json"    # all ranks may come here at once
+        own = self.store.folder / f"summary-{self.comm.rank}.json"    # all ranks may write at once
         try:
             write_json(own, self.account.summary(self.simulation, self.store, status, MPI.COMM_SELF))
             own.replace(self.store.folder / "summary.json")
-        except Exception as problem:    # nothing may hide the fault itself
+        except Exception as problem:    # must not hide the fault
             log.logger.debug(f"no summary: {problem}")
         finally:
             log.stop()
 
     def _note_options(self) -> None:
-        """Note the current PETSc options for later files: they change with the size of the system."""
+        """Store the current PETSc options for later files: they change with the size of the system."""
         self.store.about["petsc_options"] = as_text(self.simulation.method.about())
 
     def _close(self, error: ParisphError | None) -> dict[str, Any]:
-        """Write the summary in any case, and return it or raise the error. Collective."""
+        """Write the summary, and return it or raise the error. Collective."""
         self.progress.close()
         if error is None:
             self.account.look_back(self.simulation, self.store)
@@ -340,7 +336,7 @@ class _Run:
             log.logger.warning(line)
         if error is not None:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"
-        log.logger.debug(status)    # into the log file alone
+        log.logger.debug(status)    # only into the log file
         summary: dict[str, Any] = {}
         self._note_options()
         try:

@@ -1,4 +1,4 @@
-"""Check, before a case is built, that its geometry is sound and that it fits into memory."""
+"""Checks of geometry and memory before a case is built."""
 
 from mpi4py import MPI
 
@@ -14,8 +14,8 @@ from parisph.geometry import build, scene_checks
 def check(case: Case, comm: MPI.Comm) -> None:
     """Raise CaseError on every rank if the geometry is faulty, or needs more memory than all machines have. Collective.
 
-    `parisph check` on a laptop may describe a case for a cluster: memory is checked only where a case runs. The memory
-    that other programs use changes, and is not counted.
+    Memory is checked only where a case runs: `parisph check` on a laptop may describe a case for a cluster. The memory
+    of other programs changes, and is not counted.
     """
     precheck.check(case)
     for text in scene_checks.warnings(case) if comm.rank == 0 else ():
@@ -31,7 +31,7 @@ def check(case: Case, comm: MPI.Comm) -> None:
 
 
 def _memory(comm: MPI.Comm) -> int | None:
-    """Return the bytes of memory of all machines that the ranks are on, None if one is unknown. Collective."""
+    """Return the memory [bytes] of all machines of the ranks, None if one is unknown. Collective."""
     machine = comm.Split_type(MPI.COMM_TYPE_SHARED)
     first = machine.rank == 0
     machine.Free()

@@ -1,4 +1,4 @@
-"""Water that leaves an open tank or bed. Over the rim it is removed and counted; through a wall it is an error."""
+"""Water that leaves an open tank or bed: over the rim it is removed and counted, through a wall it is an error."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,9 +20,9 @@ from parisph.watch.sampling import ProbeScene
 
 @dataclass
 class Overflow:
-    """What has left the tank over its rim since the start of the run; the same on all ranks.
+    """Fluid that has left the tank over its rim since the start of the run; the same on all ranks.
 
-    particles : number; volume [m^dim]; energy : kinetic and potential, when it left [J/m, J in 3D]
+    particles : number; volume [m^dim]; energy : kinetic and potential, at the time of leaving [J/m, J in 3D]
     """
 
     particles: int = 0
@@ -32,10 +32,9 @@ class Overflow:
 
 @dataclass
 class OpenTank:
-    """What water may leave a scene over.
+    """The rims over which water may leave a scene.
 
-    rims : of what holds the water, and of wavemakers, behind which it is dry
-    scene : for the energy
+    rims : of the container of the water, and of wavemakers, behind which it is dry; scene : for the energy
     """
 
     rims: tuple[Rim, ...]
@@ -44,12 +43,12 @@ class OpenTank:
 
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
-        """Return the open tank of a case, None if it has none. state : the Overflow of a checkpoint, as a dict."""
+        """Return the OpenTank of a case, or None. state : the Overflow of a checkpoint, as a dict."""
         rims = rims_of(case, domain.radius)
         return cls(rims, ProbeScene.of(case), Overflow(**(state or {}))) if rims else None
 
     def let_leave(self, domain: Domain, time: float = 0.0) -> None:
-        """Remove the fluid that is out over the rim at a time [s], and count it. Collective.
+        """Remove and count the fluid that has left over the rim at a time [s]. Collective.
 
         Raises ParticleLost on every rank: a particle is behind a wall or below the bed, or all fluid has left.
         """

@@ -22,12 +22,12 @@ from parisph.methods.written import WRITTEN
 from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Sampler
 
-FALL = 0.1  # of the range of a probe so far: a value as far as this below the greatest has left the peak behind
+FALL = 0.1  # of the range of a probe so far: a value this far below the greatest ends the peak
 
 
 @dataclass
 class Copied:
-    """A copy of this rank's particles that can be written as a snapshot. The fields are attributes, as of Particles."""
+    """A copy of this rank's particles that can be written as a snapshot. Its fields are attributes, as of Particles."""
 
     dim: int
     n_owned: int
@@ -41,9 +41,9 @@ class Copied:
 
 @dataclass
 class Waiting:
-    """The flow after a step whose means of pressures are not known yet.
+    """The flow after a step whose pressure means are not yet known.
 
-    pressure : time of its pressure [s]; time : of its end [s]; at_edge : whether what may be a peak begins or ends here
+    pressure : time of its pressure [s]; time : of its end [s]; at_edge : whether a window begins or ends here
     """
 
     pressure: float
@@ -56,19 +56,17 @@ class Waiting:
 class PeakFlows:
     """Keeps the flow at the greatest value of each probe with peak=True, within the window or bands of its truth.
 
-    When a probe has a new maximum, this rank's particles are copied in memory. They are written when
-    the value has clearly fallen, at each checkpoint, and at the end of the run. Every step counts, and
-    the values are the same on all ranks.
+    At a new maximum of a probe, the particles of this rank are copied in memory. They are written when the value has
+    clearly fallen, at each checkpoint, and at the end of the run. Every step counts, and values are equal on all ranks.
 
-    Means of pressures are known some steps later only. The line through them is straight between its knots, so that
-    it is greatest at one of these, or at the first or the last step of a window. The flows of these steps, one or two
-    at a time, wait in memory and in checkpoints until their means are known. Those at the end of a run are judged as
-    if it ended there, and once more if it goes on.
+    Means of pressures are known only some steps later. Their line is straight between its knots, so its maximum is at a
+    knot, or at the first or last step of a window. The flows of these steps, one or two at a time, wait in memory and
+    in checkpoints until their means are known. Those at the end of a run are judged there, and again if it continues.
 
     samplers : list of Sampler, of all probes
     fields : names of the fields in snapshots
-    state : dict of an earlier part of the run, from its checkpoint (see `state`)
-    waiting : likewise (see `waiting`); flows : of the same checkpoint, those that wait
+    state, waiting : `state()` and `waiting()` of an earlier part of the run, from its checkpoint
+    flows : the waiting flows of the same checkpoint
     """
 
     def __init__(self, simulation: Simulation, samplers: Sequence[Sampler], fields: Sequence[str],
@@ -80,17 +78,17 @@ class PeakFlows:
         names = {sampler.name for sampler in self.samplers}
         self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
         self._held: dict[str, Copied] = {}    # probe -> the flow at its greatest value, not yet written
-        self._saved = set(self._seen)   # probes whose file the last checkpoint knows
+        self._saved = set(self._seen)   # probes whose files are in the last checkpoint
         dim = simulation.particles.dim
         self._waiting = [Waiting(pressure, time, step, Copied(dim, len(flow.arrays["x"]), flow.offset, flow.total,
                                                               flow.arrays), at_edge)
                          for (pressure, time, step, at_edge), flow in zip((waiting or {}).get("steps", ()), flows)]
-        self._last: dict[str, tuple[dict[str, Any], Copied]] = {}    # probe -> a peak among the last steps of the run
+        self._last: dict[str, tuple[dict[str, Any], Copied]] = {}    # probe -> peak in the last steps of the run
         self.replaced = [name for name in (waiting or {}).get("last", ()) if name in self._seen]    # by such a peak
         self._copy: tuple[int, Copied] | None = None    # of a step
 
     def look(self, found: Mapping[str, Sequence[float]]) -> None:
-        """Copy the flow if a probe has a new maximum. found : {probe: values} of this step, known now. Collective."""
+        """Copy the flow if a probe has a new maximum. found : {probe: values} of this step. Collective."""
         s = self.simulation
         for sampler, value in self._agreed(found):
             at = s.pressure_time if sampler.of_pressure else s.time
@@ -98,10 +96,10 @@ class PeakFlows:
 
     def look_at_means(self, names: Collection[str], knots: Sequence[float], known: float,
                       means: Callable[[float], Mapping[str, Sequence[float]]]) -> None:
-        """Let the flow of this step wait, and judge those whose means have become known. Collective.
+        """Let the flow of this step wait, and judge those whose means are now known. Collective.
 
-        names : of probes of means; knots : times [s] of the line's knots behind what is known
-        known : time [s] up to which means are known; means : function of such a time, {probe: values}
+        names : of probes with means; knots : times [s] of the knots after `known`
+        known : time [s] up to which means are known; means : function of a time [s] up to `known`, {probe: values}
         """
         s, mine = self.simulation, [sampler for sampler in self.samplers if sampler.name in names]
         if not mine:
@@ -125,7 +123,7 @@ class PeakFlows:
                          and (one.pressure in knots or one.at_edge or one.step == s.steps)]
 
     def look_at_last(self, means: Callable[[float], Mapping[str, Sequence[float]]]) -> None:
-        """Judge the flows that wait by their means if the run ends here. Collective. means : as of `look_at_means`"""
+        """Judge the waiting flows by their means if the run ends here. Collective. means : as of `look_at_means`"""
         self._last = {}
         for one in self._waiting:
             for sampler, value in self._agreed(means(one.pressure)):
@@ -135,9 +133,9 @@ class PeakFlows:
                     self._last[sampler.name] = peak, one.flow
 
     def _agreed(self, found: Mapping[str, Sequence[float]]) -> list[tuple[Sampler, float]]:
-        """Return the probes that are found, with their values. Collective.
+        """Return the probes in `found`, with their values. Collective.
 
-        All ranks write together or not at all: one of them says what the sums of all are, to the last bit.
+        The values are those of rank 0, equal to the last bit, as all ranks must write together or not at all.
         """
         mine = [sampler for sampler in self.samplers if sampler.name in found]
         values = [float(found[sampler.name][0]) for sampler in mine]
@@ -147,7 +145,7 @@ class PeakFlows:
 
     def _judge(self, sampler: Sampler, value: float, counts: bool, time: float, step: int,
                flow: Callable[[], Copied]) -> None:
-        """Note the value of a probe in a step, and hold the flow if it is the greatest so far."""
+        """Update the range of a probe, and hold the flow if its value is the greatest so far."""
         if not np.isfinite(value) or not (counts or sampler.name in self._seen):
             return
         seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})
@@ -158,7 +156,7 @@ class PeakFlows:
         seen["now"] = value
 
     def _flow(self) -> Copied:
-        """Return a copy of this rank's particles, the same one for all probes of a step. Collective."""
+        """Return a copy of this rank's particles, shared by all probes of a step. Collective."""
         s = self.simulation
         if self._copy is None or self._copy[0] != s.steps:
             if self._computed:
@@ -167,7 +165,7 @@ class PeakFlows:
         return self._copy[1]
 
     def write(self, store: Store, all_of_them: bool = False) -> None:
-        """Write the copies whose probes have clearly fallen since, or all copies. Collective.
+        """Write the copies whose probes have since clearly fallen, or all copies. Collective.
 
         Raises StoreError on every rank.
         """
@@ -177,13 +175,13 @@ class PeakFlows:
             self._saved.discard(name)
 
     def write_last(self, store: Store) -> None:
-        """Write the peaks among the last steps of the run, after its checkpoint. Collective. Raises StoreError."""
+        """Write the peaks in the last steps of the run, after its checkpoint. Collective. Raises StoreError."""
         for name, (seen, flow) in self._last.items():
             store.peak(flow, seen["time"], seen["step"], name, seen["greatest"], name in self._saved)
         self._last = {}
 
     def waiting(self) -> tuple[dict[str, Any], list[Copied]]:
-        """Return what a checkpoint needs of the flows whose means are not known yet, and these. Not collective."""
+        """Return the data of the waiting flows for a checkpoint, and these flows. Not collective."""
         return ({"steps": [(one.pressure, one.time, one.step, one.at_edge) for one in self._waiting],
                  "last": list(self._last)}, [one.flow for one in self._waiting])
 
@@ -195,9 +193,8 @@ class PeakFlows:
     def bring(self, folder: Path, names: Collection[str] | None = None) -> None:
         """Read the flows at the peaks so far from a folder of the run, to write them again. Collective.
 
-        The log names missing files; they are not an error, and the greatest values stay known.
-
-        folder : another one, or the same for probes whose file is of a peak among the last steps that may be none now
+        The log names missing files. They are not an error, and the greatest values stay known.
+        folder : another one, or the same for probes whose file is of a peak in the last steps, which may be outdated
         names : of probes, all if None
         """
         s = self.simulation
@@ -209,9 +206,9 @@ class PeakFlows:
             total = s.comm.bcast(None if found is None else len(found["x"]))
             if total is None:
                 logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, "
-                               f"is not in {folder} any more")
+                               f"is no longer in {folder}")
                 continue
-            # the first rank has all of it
+            # rank 0 has the whole flow
             dim = s.particles.dim
             mine = found or {key: s.particles.fields[key].empty(0, dim) for key in self._fields}
             self._held[name] = Copied(dim, n_owned=len(mine["x"]), offset=0 if found else total,
@@ -219,7 +216,7 @@ class PeakFlows:
         self._saved -= set(names)
 
     def _read(self, folder: Path, name: str, seen: Mapping[str, Any]) -> dict[str, Array] | None:
-        """Return {field: array} of the flow at the known peak, None if it is not in the folder. One rank."""
+        """Return {field: array} of the flow at the peak, None if it is not in the folder. One rank."""
         for place in (PEAKS, BEFORE):
             path = folder / place / f"{name}.vtkhdf"
             try:
@@ -237,7 +234,7 @@ class PeakFlows:
 
 
 def _counts(truth: Model | None, time: float) -> bool:
-    """Return whether the value of a probe at a time [s] may be its greatest: another event is not that of its truth."""
+    """Return whether the value of a probe at a time [s] counts for its peak: it must be in an interval of its truth."""
     where = intervals(truth)
     return not where or any(start <= time <= end for start, end in where)
 

@@ -1,4 +1,4 @@
-"""What is known of a case before it is run, the same to `parisph check` and to a run: why it cannot, and warnings."""
+"""Faults and warnings of a case before it is run, for `parisph check` and for a run."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -13,12 +13,12 @@ from parisph.driver import cost, estimate
 from parisph.geometry import scene_checks
 from parisph.methods import catalogue, velocities
 
-LONG = 1.25              # times the estimated limit: a fixed step that is warned of
-MONTH = 30.0 * 86400.0   # [s]: a longer run is warned of
+LONG = 1.25              # times the estimated limit: a longer fixed step gets a warning
+MONTH = 30.0 * 86400.0   # [s]: a longer run gets a warning
 
 
 def check(case: Case) -> None:
-    """Raise CaseError if a case cannot be run, for reasons that need its geometry or its method. Not collective."""
+    """Raise CaseError if the geometry or the method of a case cannot be computed. Not collective."""
     scene_checks.check(case)
     found = [*estimate.faults(case)]
     if found:
@@ -38,7 +38,7 @@ def stages(case: Case) -> list[str]:
 
 
 def warnings(case: Case, count: Mapping[str, int], expected: scales.Scales) -> Iterator[str]:
-    """Yield all that `parisph check` warns of, one line each: of a method's limits, of the scene, of what is doubtful.
+    """Yield the warnings of `parisph check`, one line each: about the method, the scene, and doubtful values.
 
     count : geometry.build.counts of the case; expected : its case.scales.Scales
     """
@@ -52,7 +52,7 @@ def warnings(case: Case, count: Mapping[str, int], expected: scales.Scales) -> I
 
 
 def _about_the_step(case: Case) -> Iterator[str]:
-    """Warn of a fixed step clearly longer than waves or the fastest fluid allow, unless it is shortened in the run."""
+    """Warn of a fixed step that is too long for waves or the fastest fluid, unless viscosity or sound shortens it."""
     (limit, reason), dt = stable_time_step(case), case.numerics.time_step
     if dt is not None and LONG * limit < min(dt, estimate.stable_step(case)):
         yield (f"numerics.time_step = {dt:.3g} s is {dt / limit:.3g} times the step of {limit:.3g} s that {reason}: "
@@ -60,7 +60,7 @@ def _about_the_step(case: Case) -> Iterator[str]:
 
 
 def _about_flaps(case: Case) -> Iterator[str]:
-    """Warn of a flap in whose corner particles are caught, as nothing keeps pairs of them apart."""
+    """Warn of a flap without collisions of pairs, in whose corner particles are caught."""
     flaps = any(isinstance(body, Flap) for body in case.bodies)
     if flaps and velocities.Collisions.words not in stages(case):
         yield ("walls: particles are caught in the corner between a Flap and the bed, and burst out of it, if no pairs "
@@ -69,9 +69,9 @@ def _about_flaps(case: Case) -> Iterator[str]:
 
 
 def early_warnings(case: Case, count: Mapping[str, int], expected: scales.Scales, ranks: int = 1) -> Iterator[str]:
-    """Yield what makes the results of a case doubtful before it is run, or its end far away, one line each.
+    """Yield warnings of doubtful values and of a long run, one line each.
 
-    ranks : that share the work
+    ranks : number of ranks that share the work
     """
     yield from doubtful.doubts(case, estimate.waves_of(case, expected))
     numerics = case.numerics.resolved()
@@ -84,4 +84,4 @@ def early_warnings(case: Case, count: Mapping[str, int], expected: scales.Scales
     step, every = case.end_time / max(steps, 1), case.output.every
     if every is not None and every < step:
         yield (f"output.every = {every:g} s: is shorter than a step, about {estimate.rounded(step)} s: "
-               f"{case.end_time / every:.2g} snapshots would show no more than one of each step; use a longer time")
+               f"{case.end_time / every:.2g} snapshots would show one of each step at most; use a longer time")

@@ -17,13 +17,13 @@ from parisph.driver.estimate import duration, estimated_steps, longest_of, round
 from parisph.driver.sketch import sketch
 from parisph.geometry import build, scene_checks
 
-DRAWN = 10**7    # particles: larger scenes are not drawn, which takes memory for all their walls
+DRAWN = 10**7    # particles: a drawing of a larger scene takes too much memory for its walls
 
 
 def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
-    """Return the description as text. Needs neither MPI nor compiled kernels.
+    """Return the description of a case as text. Needs neither MPI nor compiled kernels.
 
-    parameters : {name: value} of the case file (case.load.arguments), which --set can change
+    parameters : {name: value} of the case file (case.load.arguments)
     """
     precheck.check(case)
     numerics = case.numerics.resolved()
@@ -57,7 +57,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
 
 
 def _geometry(case: Case) -> Iterator[tuple[str, str]]:
-    """Yield what there is to say about walls and filling of a scene."""
+    """Yield the lines about walls and filling of a scene."""
     moving = {name: type(motion_of(body)).__name__ for name, body in zip(body_names(case.bodies), case.bodies)
               if not isinstance(motion_of(body), AtRest)}
     known = scene_checks.facts(case)
@@ -77,7 +77,7 @@ def _friction(case: Case) -> Iterator[tuple[str, str]]:
     """Yield the values of the friction on walls."""
     if case.friction is not None:
         law = case.friction
-        yield "friction", (f"on walls that fluid slips along: viscosity {law.viscosity:g} m2/s, "
+        yield "friction", (f"on free-slip walls: viscosity {law.viscosity:g} m2/s, "
                            f"roughness {law.roughness:g} m")
 
 
@@ -93,7 +93,7 @@ def _text(name: str, value: Any) -> str:
     """Return the value of a parameter in the form that --set accepts."""
     if isinstance(value, (tuple, list)):
         return ",".join(_text(name, item) for item in value)
-    if value is None:    # "none" is a word where it is one
+    if value is None:    # for some fields "none" is a name
         return "" if name in WORDS and "none" in vocabulary.known(WORDS[name]) else "none"
     return f"{value:.15g}" if isinstance(value, float) else str(value)
 
@@ -120,7 +120,7 @@ def _resolution(case: Case) -> str:
 
 
 def _waves(case: Case, expected: scales.Scales, steps: int) -> Iterator[tuple[str, str]]:
-    """Yield the sizes of the waves in spacings, and how many steps they have in a period."""
+    """Yield the sizes of the waves in spacings, and their steps per period."""
     s = case.numerics.spacing
     for wave in waves_of(case, expected):
         irregular, alone = isinstance(wave.wave, Jonswap), isinstance(wave.wave, SolitaryWave)

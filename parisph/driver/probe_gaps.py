@@ -1,4 +1,4 @@
-"""Samples in which a probe had nothing to measure: its place was out of the water, dry, or above the walls."""
+"""Samples in which a probe had nothing to measure: its place was outside of the water, dry, or above the walls."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from parisph.watch.sampling import ProbeScene
 
 
 def gaps(case: Case, run: Run) -> dict[str, str]:
-    """Return {probe: why it measured nothing, in how much of its samples, and when first}. Not collective.
+    """Return {probe: why it measured nothing, in which share of its samples, and since when}. Not collective.
 
-    Without a number: the place was not in the fluid. Emptied: gauges and taps that had water at first. Out of range:
-    gauges whose surface was above the walls. Probes in arrays are named as in "gauges.x1".
+    No value: its place was outside of the fluid. Emptied: a gauge or tap that first had water. Out of range: a gauge
+    whose surface was above the walls. Probes in arrays have names like "gauges.x1".
     """
     found = {}
     scene = ProbeScene.of(case)

@@ -21,10 +21,10 @@ Line = tuple[float, int, Values]         # time [s], step, values
 
 @dataclass
 class _Clock:
-    """Probes whose values are of the same times: those of the particles, or those of the pressure.
+    """Probes with values at the same times: those of particles, or those of pressure.
 
     now : time of their values [s]
-    since : up to where samples are taken [s]
+    since : time up to which samples are taken [s]
     last : (time [s], values) at the beginning of a step that passes a sample, or None
     """
 
@@ -37,19 +37,18 @@ class _Clock:
 class Watch:
     """The samples of a run's probes. All methods are collective unless stated otherwise.
 
-    Samples have the time of what they measure: that of the particles, the end of a step, or for pressures on walls
-    that of the pressure, in a projection the middle of the step. What is due after the last pressure of a run has that
-    pressure, so that all series reach the end. At a fixed rate, samples are taken at exactly k intervals, by linear
-    interpolation in time between two steps, and probes are evaluated around these only; a restart evaluates them again
-    at the beginning of its first step.
+    Samples have the time of their quantity: the end of a step, or for pressures on walls the time of the pressure, in a
+    projection the middle of the step. A sample due after the last pressure of a run has that pressure, so all series
+    reach the end. At a fixed rate, samples are at exactly k intervals, by linear interpolation in time between two
+    steps, and probes are evaluated only around these times, and at a restart.
 
-    The pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a
-    sample is written when its mean is known, some steps later. A restart needs the state of the means.
+    Pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a sample is
+    written when its mean is known, some steps later. A restart needs the state of the means.
 
     samplers : list of Sampler (watch.instruments.build)
     output : Output of the case
-    peaks : PeakFlows, which sees the values of its probes in every step: means when they are known
-    state : of an earlier part of the run, from its checkpoint (see `state`)
+    peaks : PeakFlows, which gets the values of its probes in every step, means when they are known
+    state : `state()` of an earlier part of the run, from its checkpoint
     """
 
     def __init__(self, simulation: Simulation, samplers: list[Sampler], output: Output, peaks: PeakFlows,
@@ -66,14 +65,14 @@ class Watch:
                         if clock.samplers and not (self._averaged and clock is self._pressures)]
         self._start = simulation.time    # of the last step [s]
         self._means: Means | None = None
-        self._pending: list[tuple[float, int, int]] = []    # samples of pressures to come: time [s], step, number
+        self._pending: list[tuple[float, int, int]] = []    # samples waiting for their means: time [s], step, number
         if state and self._averaged:
             self._means = Means.resumed(state["means"])
             self._pending = [(time, step, number) for time, step, number in state["pending"]]
         self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:
-        """Return the line for the head of a probe's file. Not collective."""
+        """Return the title in a probe's file. Not collective."""
         mean = "; mean in time with the impulse of the pressure" * (sampler.of_pressure and self._averaged)
         if self._times is None:
             return f"{sampler.title}{'; time is that of the pressure' * sampler.of_pressure}{mean}"
@@ -81,7 +80,7 @@ class Watch:
         return f"{sampler.title}; every {apart:.12g} s by linear interpolation in time between the steps around{mean}"
 
     def reached(self, sampler: Sampler) -> float:
-        """Return the time [s] up to which samples of a probe are final now. Not collective."""
+        """Return the time [s] up to which samples of a probe are final. Not collective."""
         if self.simulation.finished():
             return self.simulation.reached
         if sampler.of_pressure and self._means is not None:
@@ -89,7 +88,7 @@ class Watch:
         return (self._pressures if sampler.of_pressure else self._places).now + self.simulation.rounding
 
     def state(self) -> dict[str, Any]:
-        """Return what a checkpoint needs. Not collective."""
+        """Return the data that a checkpoint needs. Not collective."""
         return {} if self._means is None else {"means": self._means.state(), "pending": self._pending}
 
     def at_start(self) -> list[Line]:
@@ -139,13 +138,13 @@ class Watch:
         return lines
 
     def look_at_last(self) -> None:
-        """Show the means of the last steps to the peaks, if the run has ended."""
+        """Pass the means of the last steps to the peaks, if the run has ended."""
         means = self._means
         if means is not None and self.simulation.finished():
             self.peaks.look_at_last(lambda time: self._at(means, time, ended=True))
 
     def _look_at_peaks(self, found: Values) -> None:
-        """Show the values of this step to the peaks, and the means that are known now."""
+        """Pass the values of this step to the peaks, and the means that are now known."""
         s, means, averaged = self.simulation, self._means, set()
         if means is not None:
             averaged = {sampler.name for sampler in self._pressures.samplers}
@@ -155,12 +154,12 @@ class Watch:
         self.peaks.look({name: values for name, values in found.items() if name not in averaged})
 
     def _at(self, means: Means, time: float, ended: bool = False) -> Values:
-        """Return the values of the probes of pressures at a time [s] at which their means are known."""
+        """Return the values of the pressure probes at a time [s] with known means."""
         mean, acted = means.at(time, ended)
         return self._values(np.where(self._as_acted, acted, mean))
 
     def _mean_lines(self, found: Values, means: Means) -> list[Line]:
-        """Return the lines of the pressures whose means have become known by the last step. Not collective."""
+        """Return the lines of pressures whose means became known in the last step. Not collective."""
         s, clock, ended = self.simulation, self._pressures, self.simulation.finished()
         means.add(self._start, s.time, clock.now, self._joined(found), s.pressure_window or 0.0)
         self._pending += [(time, s.steps, number) for time, number in self._due(clock)]
@@ -168,23 +167,23 @@ class Watch:
         for time, step, number in self._pending:
             if ended or time <= known:
                 lines.append((time, step, self._of(clock, number, self._at(means, time, ended))))
-        # a run that goes on behind its end knows the last ones better, and has none after its last pressure
+        # a run continued beyond its end gets better means of the last ones, but no sample after its last pressure
         self._pending = [line for line in self._pending if known < line[0] <= clock.now + s.rounding]
         return lines
 
     def _joined(self, found: Values) -> Floats:
-        """Return the values of all probes of pressures, one after the other (n,)."""
+        """Return the values (n,) of all pressure probes, concatenated."""
         return np.concatenate([found[sampler.name] for sampler in self._pressures.samplers])
 
     def _values(self, joined: Floats) -> Values:
-        """Return {probe: values} of the probes of pressures from their values one after the other."""
+        """Return {probe: values} of the pressure probes from their concatenated values."""
         ends = np.cumsum([len(sampler.columns) for sampler in self._pressures.samplers])
         return {sampler.name: tuple(own.tolist())
                 for sampler, own in zip(self._pressures.samplers, np.split(joined, ends[:-1]))}
 
     @property
     def _as_acted(self) -> Array:
-        """Which of the values of the probes of pressures are no means (n,)."""
+        """Which of the values (n,) of pressure probes are not averaged."""
         return np.array([name in sampler.acted for sampler in self._pressures.samplers for name in sampler.columns])
 
     def _look_at_clocks(self) -> None:
@@ -193,8 +192,7 @@ class Watch:
     def _needed(self, due: Sequence[Sequence[tuple[float, int]]]) -> Sequence[Sampler]:
         """Return the samplers to evaluate after a step, in their order. Not collective.
 
-        Those of means always. At a fixed rate all of a clock, if there are samples: the next step may begin with these
-        values.
+        Those of means always. At a fixed rate all of a clock with samples: the next step may begin with these values.
         """
         needed = {id(sampler) for clock, own in zip(self._clocks, due) for sampler in clock.samplers
                   if sampler.probe.peak or (own and self._times) or any(_is_for(sampler, number) for _, number in own)}
@@ -202,11 +200,11 @@ class Watch:
                 if id(sampler) in needed or (self._averaged and sampler.of_pressure)]
 
     def _of(self, clock: _Clock, number: int, values: Values) -> Values:
-        """Return the values of the probes of a clock that have the sample of that number."""
+        """Return the values of the probes of a clock that take the sample of this number."""
         return {sampler.name: values[sampler.name] for sampler in clock.samplers if _is_for(sampler, number)}
 
     def _due(self, clock: _Clock) -> list[tuple[float, int]]:
-        """Return the samples that the last step has made due: their times [s] and numbers. Not collective."""
+        """Return the samples due after the last step: their times [s] and numbers. Not collective."""
         s, done = self.simulation, self.simulation.finished()
         if self._times is None:
             times = [clock.now] if clock.now >= s.time or not done else [clock.now, s.time]
@@ -221,7 +219,7 @@ class Watch:
 
 
 def _is_for(sampler: Sampler, number: int) -> bool:
-    """Return whether the sample of that number, from 0 on, is one of the sampler's."""
+    """Return whether a sampler takes the sample of this number, from 0 on."""
     return number % sampler.probe.every == 0
 
 
@@ -234,7 +232,7 @@ def _between(before: tuple[float, Values] | None, after: tuple[float, Values], t
         return after[1]
     if time - before[0] > (1.0 - ROUNDING) * (after[0] - before[0]):
         return after[1]
-    # what before[1] lacks is of the other clock
+    # values that before[1] lacks are of the other clock
     ends = {name: [(before[0], np.array(before[1][name])), (after[0], np.array(values))]
             for name, values in after[1].items() if name in before[1]}
     return {name: tuple(between(line, time).tolist()) for name, line in ends.items()}

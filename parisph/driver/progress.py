@@ -10,15 +10,14 @@ from parisph.driver.simulation import Simulation
 from parisph.kernels import jit, kept
 from parisph.methods.reports import StepReport
 
-FEW = 20         # compiled kernels: with fewer, nearly all of the hundred are to be compiled
-STEPS, SECONDS, LONG = 10, 1.0, 30.0    # a rate is taken from so many steps and [s], or from steps of so many [s]
+FEW = 20         # compiled kernels: with fewer, nearly all of the hundred need compilation
+STEPS, SECONDS, LONG = 10, 1.0, 30.0    # a rate needs this many steps and [s], or this many [s] alone
 
 
 class Progress:
     """One live line on a terminal; in a batch log plain lines, at growing intervals.
 
-    Inside `with`, one line says that kernels are about to be compiled. After the first step, another one says how long
-    that took.
+    Inside `with`, a line announces a compilation of kernels. After the first step, another one gives its duration.
 
     end_time : float [s]
     wanted : bool, False to be quiet
@@ -27,9 +26,9 @@ class Progress:
 
     def __init__(self, end_time: float, wanted: bool, first: bool = True, stream: TextIO | None = None) -> None:
         self.end_time, self.wanted = end_time, wanted
-        self._line = LiveLine(wanted and first, logger.info, stream, _now)    # begins when the first step has ended
-        self._compiled: tuple[int, float] | None = None    # kernels, and the seconds they took, before this run
-        # [s] since the first step, time of the flow [s], steps: at the first step, and from time to time since
+        self._line = LiveLine(wanted and first, logger.info, stream, _now)    # begins after the first step
+        self._compiled: tuple[int, float] | None = None    # kernels, and their seconds, before this run
+        # [s] since the first step, time of the flow [s], steps; at intervals
         self._marks: deque[tuple[float, float, int]] = deque()
 
     def __enter__(self) -> "Progress":
@@ -41,7 +40,7 @@ class Progress:
         jit.COMPILATION.before = None
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
-        """Show the progress after a step, if it is time for a new line. Not collective."""
+        """Show the progress after a step, if a new line is due. Not collective."""
         if not self._line.shown:
             return
         if not self._marks:
@@ -74,9 +73,9 @@ class Progress:
             logger.info(f"compiled {count} kernel{'s' * (count != 1)} in {seconds:.1f} s")
 
     def _text(self, simulation: Simulation, report: StepReport, elapsed: float) -> str:
-        """Return the line; with rate and time left once there is enough to tell them from.
+        """Return the line, with rate and remaining time once they are known.
 
-        They are those of the second half of the steps so far: the first ones may be shorter, or cost more.
+        They follow from the second half of the steps so far: the first ones may be shorter, or cost more.
         """
         while len(self._marks) > 1 and self._marks[1][0] <= 0.5 * elapsed:
             self._marks.popleft()
@@ -93,5 +92,5 @@ class Progress:
 
 
 def _now() -> float:
-    """Return a time [s] without that in which kernels are compiled."""
+    """Return a time [s] without the compilation of kernels."""
     return perf_counter() - jit.COMPILATION.seconds

@@ -1,4 +1,4 @@
-"""Preparation of a run: its folder, the folder's lock, and for a restart the checkpoint and the case."""
+"""Preparation of a run: its folder and lock, and for a restart the checkpoint and the case."""
 
 import json
 import math
@@ -24,10 +24,10 @@ from parisph.io.lock import Lock
 
 @contextmanager
 def left_only_if_used(made: Sequence[Path] | None, old: Path | None = None) -> Iterator[None]:
-    """Remove the folders that were made for a run if it ends before anything is written to them. Not collective.
+    """Remove the folders made for a run if it fails before anything is written to them. Not collective.
 
     made : folders, the innermost first, on the rank that made them, else None
-    old : folder that an earlier run was moved to, which is then moved back; else None
+    old : folder to which an earlier run was moved, to move it back, or None
     """
     try:
         yield
@@ -56,7 +56,8 @@ def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False)
     """Make the folder for a new run, before any work.
 
     overwrite : whether to move an earlier run aside; None if the command has no such option
-    Returns the folders that were made, the innermost first, and the folder that an earlier run was moved to, else None.
+
+    Returns the folders that were made, the innermost first, and the folder to which an earlier run was moved, or None.
     Raises CaseError, StoreError, OSError.
     """
     given, folder = folder, folder.resolve()
@@ -73,10 +74,7 @@ def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False)
 
 
 def _as_given(path: Path, given: Path) -> Path:
-    """Return a path beside a folder as the user would write it, who named the folder `given`.
-
-    Relative, if that leads there.
-    """
+    """Return a path beside a folder that the user named `given`, relative if `given` is."""
     near = given.parent / path.name
     return near if near.resolve() == path else path
 
@@ -89,21 +87,21 @@ def _check_writable(folder: Path) -> None:
 
 
 def check_run(folder: Path, path: AnyPath) -> None:
-    """Check that there is a run to continue, and that its folder can be written. Raises StoreError, OSError."""
+    """Check that there is a run to continue, and that its folder is writable. Raises StoreError, OSError."""
     if not Path(path).exists():
         raise StoreError(f"{path}: no such folder or file")
     if not (folder / "case.json").exists() and not checkpoint.paths(folder / "checkpoints"):
         if Path(path).is_file():
-            checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
+            checkpoint.read(MPI.COMM_SELF, path)    # raises if it is damaged
             raise StoreError(f"{path} is not in the folder of a run: give a folder to continue in with -o DIR")
         raise StoreError(f"{path} holds no run to continue: it has neither case.json nor a checkpoint; "
                          "start one with parisph run")
-    identity(folder)    # says what is wrong with case.json
+    identity(folder)    # raises if case.json is damaged
     _check_writable(folder)
 
 
 def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
-    """Return the checkpoint file to continue from, None if the run has none yet, the same on every rank. Collective."""
+    """Return the checkpoint file to continue from, or None, the same on every rank. Collective."""
     def newest() -> Path | None:
         if path.is_file():
             return path
@@ -145,7 +143,7 @@ def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folde
 
 
 def _is_complete(folder: Path) -> bool:
-    """Return whether the summary of a run says that it is completed."""
+    """Return whether a run is completed, by its summary."""
     try:
         return str(read_json(folder / "summary.json").get("status")).startswith("completed")
     except StoreError:

@@ -1,20 +1,20 @@
-"""The schedule of a run: simulated times at which something is due, and the steps that meet its end."""
+"""The schedule of a run: simulated times of output, and the steps that meet its end."""
 
 import math
 from collections.abc import Iterable
 
-ROUNDED = 1.0 + 1e-12   # a time that is reached but for rounding is reached
-ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
+ROUNDED = 1.0 + 1e-12   # tolerance of times
+ROUNDING = 1e-6         # of a step: error of the sum of many steps
 SHARING = 10            # steps before the end of a run
 
 
 def step_towards(target: float, time: float, limit: float) -> tuple[float, float]:
-    """Return a step of at most `limit` (or a thousandth more) on the way to `target`, and the time after it, all in s.
+    """Return a step [s] towards `target` of at most `limit` (or a thousandth more), and the time [s] after it.
 
-    The target is the end of the run. The last SHARING steps before it share the remaining time, and it is met exactly.
-    So steps do not shorten by more than a tenth at once, unless fewer are left: what a step leaves of the divergence is
-    proportional to its length, the next one takes that out, and its pressure jumps by a tenth where it is half as long.
-    The result does not depend on earlier steps: a run that is restarted between these takes the same steps.
+    The last SHARING steps before the target, the end of the run, share the remaining time and meet it exactly. So steps
+    shorten by at most a tenth at once, unless fewer are left. The divergence that a step leaves is proportional to its
+    length, and the next step removes it: after a step of half the length, the pressure would jump by a tenth.
+    The result does not depend on earlier steps: a restart between these takes the same steps.
     """
     left = target - time
     if not 0.0 < left <= SHARING * limit:
@@ -33,24 +33,24 @@ class Times:
         self.every, self.times, self.count = every, sorted(times), 0
 
     def due(self, time: float) -> bool:
-        """Return whether something has become due since the last call."""
+        """Return whether a time has become due since the last call."""
         before = self.count
         self.skip(time)
         return self.count > before
 
     def skip(self, time: float) -> None:
-        """Count everything up to `time` as done."""
+        """Count all times up to `time` [s] as done."""
         self.count = sum(t <= time * ROUNDED for t in self.times) + self._multiple(time)
 
     def after(self, time: float) -> float:
-        """Return the first time [s] that is due after `time`, infinity if there is none."""
+        """Return the first due time [s] after `time` [s], or infinity."""
         found = [t for t in self.times if t > time * ROUNDED][:1]
         if self.every:
             found.append((self._multiple(time) + 1) * self.every)
         return min(found, default=math.inf)
 
     def between(self, start: float, end: float) -> list[float]:
-        """Return the times [s] that are due after `start` and up to `end`, in order."""
+        """Return the due times [s] after `start` up to `end` [s], in order."""
         found, time = [], self.after(start)
         while time <= end * ROUNDED:
             found.append(time)

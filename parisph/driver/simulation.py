@@ -38,14 +38,14 @@ from parisph.parallel.particles import Particles
 from parisph.watch.passages import Passages
 from parisph.watch.sampling import ProbeScene
 
-# {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D the ghosts of a
-# wider halo would be too many
+# {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D a wider halo
+# would have too many ghosts
 SKIN = {2: 2.0, 3: 1.0}
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
-SAME_VORTICITY = 1e-6    # part of the largest by which vorticities of a fluid that rotates as a whole differ, at most
-SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
+SAME_VORTICITY = 1e-6    # of the largest vorticity: greatest spread of fluid in rigid rotation
+SETTLE = 10.0     # time in which weakly compressible water at rest settles before the start, over that of a fall
 # of the step that fluid allows at the top speed of the case (scales.top_speed): a run that needs a shorter one has
-# diverged. Dam breaks, falls against a box and free drops come to 1.7 times that speed; none comes to 50 times
+# diverged. Dam breaks, falls against a box and free drops reach 1.7 times that speed; none reaches 50 times
 SHORTEST = 0.02
 
 Options = ParamSpec("Options")
@@ -58,7 +58,7 @@ def _call(guard: Guard | None, name: str) -> AbstractContextManager[None]:
 
 def _collective(method: Callable[Concatenate["Simulation", Options], Result]
                 ) -> Callable[Concatenate["Simulation", Options], Result]:
-    """Decorate a collective method of a Simulation: no rank waits in it for one that has failed or ended."""
+    """Decorate a collective method of a Simulation: no rank waits in it for a failed or finished one."""
     @wraps(method)
     def call(self: "Simulation", /, *args: Options.args, **options: Options.kwargs) -> Result:
         with _call(self._guard, f"Simulation.{method.__name__}"):
@@ -70,19 +70,18 @@ class Simulation:
     """A scene that can be advanced step by step, for scripts, notebooks and the command line.
 
     comm : mpi4py communicator; it is duplicated
-    petsc_options : list of str, PETSc's options with the prefix pressure_
-    start : Checkpoint or None
-        The checkpoint to continue from.
+    petsc_options : PETSc's options with the prefix pressure_
+    start : Checkpoint to continue from, or None
 
     Attributes:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
     timers : base.log.Timers
-    passages : Passages, the water that has passed the lines of probes
+    passages : Passages, the water through the lines of probes
     bad_force : float or None, the first time [s] at which the body force was not finite on this rank
 
-    All methods are collective. Raises CaseError if the case cannot be run as it is. What fails on one
-    rank only, such as sys.exit in a function of the user, ends all ranks (parallel.guard).
+    All methods are collective. Raises CaseError if the case cannot be run. A failure on one rank, such as sys.exit in a
+    user's function, ends all ranks (parallel.guard).
     """
 
     def __init__(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None = None,
@@ -94,10 +93,10 @@ class Simulation:
     def _make(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None, start: Checkpoint | None) -> None:
         memory_check.check(case, comm)
         self.numerics = case.complete_numerics()
-        # what is stored is what was computed, whatever a preset becomes later
+        # store the values in use: presets may change later
         self.case = case.resolved(self.numerics)
         self.comm = comm.Dup()
-        self._made: list[Domain | Projection | Compressible] = []    # what `destroy` frees
+        self._made: list[Domain | Projection | Compressible] = []    # for `destroy`
         try:
             self._build(petsc_options, start)
         except BaseException as error:
@@ -132,7 +131,7 @@ class Simulation:
         self._open_tank = OpenTank.of(case, self.domain, state.get("left"))
 
     def _flow(self, parts: Parts | CompressibleParts, start: Checkpoint | None) -> Flow:
-        """Return the Flow of the scene, with particles, domain and walls as they are at the start. Collective."""
+        """Return the Flow of the scene, with particles, domain and walls at the start. Collective."""
         case, s = self.case, self.numerics.spacing
         arrays = _arrays(case, self.comm) if start is None else start.arrays
         vorticity, carried = _vorticity(case, arrays, self.comm)
@@ -157,9 +156,9 @@ class Simulation:
 
     @_collective
     def solve_start(self) -> int:
-        """Compute the pressure at the start, before any step; nothing moves.
+        """Compute the pressure at the start, without motion.
 
-        Returns the number of particles on all ranks without contact with a free surface; these have p = 0.
+        Returns the number of particles on all ranks without contact with a free surface, which have p = 0.
         """
         with self.timers("start"):
             isolated = self.method.start(self.time)
@@ -170,7 +169,7 @@ class Simulation:
     def choose_step(self) -> float:
         """Choose the length of the next step, and return the time [s] after it, the same on all ranks.
 
-        No output changes it. An adaptive run meets its end: the last ten steps are shortened alike.
+        Output does not change it. An adaptive run meets its end: the last ten steps are shortened equally.
 
         Raises SolverDiverged.
         """
@@ -179,7 +178,7 @@ class Simulation:
 
     @_collective
     def advance(self) -> StepReport:
-        """Take one step, of the length chosen by `choose_step` if that was called; return its StepReport.
+        """Take one step, of the length from `choose_step` if that was called; return its StepReport.
 
         Raises SolverDiverged or ParticleLost.
         """
@@ -188,7 +187,7 @@ class Simulation:
         report = self.method.step(self.time, dt, limit)
         self.time = after
         self.steps += 1
-        self.dt = limit     # not a step shortened to meet the end: a run that goes on must not depend on it
+        self.dt = limit     # not shortened to meet the end: a continued run must not depend on it
         self.passages.look(self.particles)    # before water leaves the scene
         if self._open_tank is not None:
             self._open_tank.let_leave(self.domain, self.time)
@@ -206,36 +205,36 @@ class Simulation:
 
     @property
     def left(self) -> Overflow:
-        """Fluid that has left an open tank over its rim so far (driver.overflow.Overflow), the same on all ranks."""
+        """Fluid that has left an open tank over its rim, the same on all ranks."""
         return Overflow() if self._open_tank is None else self._open_tank.left
 
     @property
     def reached(self) -> float:
-        """Time [s] up to which things are due now, with a tolerance for the rounding of many steps."""
+        """Time [s] up to which output is due, with a tolerance for the rounding of many steps."""
         return self.time + self.rounding
 
     @property
     def nearest(self) -> float:
-        """Time [s] up to which what comes at the end of a step is due now: no later end of a step is nearer to it.
+        """Time [s] up to which output at ends of steps is due: this end is nearer to it than the next one.
 
-        So nothing that is written changes a step. The next step is taken to be as long as the last one.
+        So output changes no step. The next step is assumed to be as long as the last one.
         """
         return self.time + 0.5 * (self.dt or 0.0)
 
     @property
     def rounding(self) -> float:
-        """What the sum of many steps may be off by [s]."""
+        """Rounding error of the sum of many steps [s]."""
         return ROUNDING * (self.dt or 0.0)
 
     @property
     def pressure_time(self) -> float:
-        """Time [s] of the pressures: in a projection, that of the middle of the last step."""
+        """Time [s] of the pressures: in a projection, the middle of the last step."""
         found: float | None = self.method.pressure_time
         return self.time if found is None else found
 
     @property
     def pressure_window(self) -> float | None:
-        """Time [s] that means of pressure over steps like the last take, None where pressures are not averaged."""
+        """Averaging time [s] of pressures for steps like the last one, None if pressures are not averaged."""
         return self.method.pressure_window
 
     def finished(self) -> bool:
@@ -244,9 +243,9 @@ class Simulation:
 
     @_collective
     def complete(self, names: Iterable[str]) -> None:
-        """Compute those of the fields `names` that no step needs, such as "vorticity", for the particles as they are.
+        """Compute the output fields among `names` that no step needs, such as "vorticity", for the current particles.
 
-        The case has to ask for them: Output(fields=("vorticity", ...)).
+        The case must request them: Output(fields=("vorticity", ...)).
         """
         if not self.domain.n_lists:    # before the first step
             self.domain.refresh()
@@ -264,7 +263,7 @@ class Simulation:
         return {name: column[order] for name, column in zip(names, columns[1:])}
 
     def agreed(self, error: BaseException) -> bool:
-        """Return whether all ranks have this error, so that collective calls may follow."""
+        """Return whether all ranks have this error, so collective calls may follow."""
         return self._guard is None or (isinstance(error, ParisphError) and self._guard.on_all())
 
     @_collective
@@ -276,7 +275,7 @@ class Simulation:
             self.comm.Free()
 
     def _choose(self) -> tuple[float, float, float]:
-        """Return the step that the case and the flow allow [s], the next step, and the time after it. Collective.
+        """Return the limit of the step [s], the next step [s], and the time [s] after it. Collective.
 
         An adaptive run meets its end; with a fixed step it ends within half a step of it.
         """
@@ -285,7 +284,7 @@ class Simulation:
         return (limit, *step_towards(self.case.end_time if adaptive else np.inf, self.time, limit))
 
     def _limit(self) -> float:
-        """Return the time step that the case and the flow allow [s], the same on all ranks."""
+        """Return the limit of the time step [s] by case and flow, the same on all ranks."""
         flow = self.method.flow
         dt = next_step(flow, self._strongest_force(), self.dt, self._shortest, self.method.accelerations,
                        self.method.strain_rate, self._length)
@@ -293,11 +292,11 @@ class Simulation:
         if self.numerics.time_step is not None:
             return dt
         dt = min(dt, flow.walls.longest_step(flow, self.time))
-        dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
+        dt = min(dt, self.case.frame.longest_step)    # a force that is small now may soon grow
         return dt if self.dt is not None else self._first(dt)
 
     def _first(self, dt: float) -> float:
-        """Return the first step [s]; computes the pressure at the start if that has not been done."""
+        """Return the first step [s]; computes the pressure at the start if that is missing."""
         if not self._has_pressure:
             self.solve_start()
         p = self.particles
@@ -309,11 +308,11 @@ class Simulation:
                           self._length)
 
     def _force(self, x: Floats, t: float) -> Floats:
-        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t, not to be written.
+        """Return the read-only body force (n, dim) [m/s^2] at x (n, dim) [m] and t [s].
 
-        Note the first time at which it is not finite.
+        Record the first time at which it is not finite.
         """
-        if self._constant_force is not None:    # which the case has found to be finite
+        if self._constant_force is not None:    # checked by the case
             return np.broadcast_to(self._constant_force, x.shape)
         force = self.case.body_force(x[:1] if self._same_force else x, t)
         if self.bad_force is None and not np.isfinite(force).all():
@@ -323,9 +322,9 @@ class Simulation:
     def _strongest_force(self) -> float:
         """Return the largest body force on this rank's fluid, for an adaptive time step [m/s^2].
 
-        One that is the same everywhere is looked at in one place, which need not be in the fluid.
+        A uniform force is evaluated at any one particle.
         """
-        if self.numerics.time_step is not None:    # nobody asks
+        if self.numerics.time_step is not None:    # not used
             return 0.0
         p = self.particles
         where = p.x[:1] if self._same_force else p.x.compress(p.kind == FLUID, axis=0)
@@ -335,15 +334,14 @@ class Simulation:
 def _largest(force: Floats) -> float:
     """Return the largest finite size of forces (n, dim), 0 if there is none.
 
-    What is no number sets no step: the step itself says so.
+    A force that is not finite does not limit the step; the step itself reports it.
     """
     size = sizes(force)
     return float(size.max(initial=0.0, where=np.isfinite(size)))
 
 
 def _step_of_top_speed(case: Case, numerics: ResolvedNumerics) -> float:
-    """Return the step [s] in which the fastest fluid that is expected moves as far as it may, or falls so from rest.
-    """
+    """Return the step [s] in which the fastest expected fluid, or a fall from rest, moves as far as allowed."""
     speed, rest = scales.top_speed(case), rest_step(numerics)
     return min(rest, longest_move(numerics) / speed) if 0.0 < speed < np.inf else rest
 
@@ -375,7 +373,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
-    """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
+    """Return the parts of the case's method. Collective. Raises CaseError for a part that does not suit the scene."""
     parts = parts_of(case.complete_numerics(), case.physics)
     error = None
     try:
@@ -397,9 +395,9 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
 
 
 def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:
-    """Return the vorticity [1/s] that all fluid carries, and the field of it if there is any. Collective.
+    """Return the uniform vorticity [1/s] of the fluid, else 0, and its field if it has vorticity. Collective.
 
-    The vorticity is 0 unless all fluid has the same. Viscous fluid, and such with eddies, has none that it keeps.
+    Viscous fluid, or fluid with an eddy viscosity, does not keep its vorticity and has none here.
     """
     if case.viscosity or case.numerics.smagorinsky or "swirl" not in arrays:
         return 0.0, ()

@@ -1,4 +1,4 @@
-"""A drawing of a scene in characters, for `parisph check`."""
+"""A text drawing of a scene, for `parisph check`."""
 
 import math
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ WATER, AIR, SOLID, WALL = "~", " ", "#", "+"
 def sketch(case: Case) -> str:
     """Return the scene at the start as lines of text: water ~, solid #, thin and moving walls +, probes 1, 2, ...
 
-    Lengths along x and y are drawn alike unless the scene is too long for that; the last line says so.
+    x and y have the same scale unless the scene is too long; the last line gives the vertical scale then.
     """
     lower, upper = (corner.copy() for corner in domain(case))
     upper[1] = max(upper[1], case.fluid_bounds[1][1])
@@ -52,7 +52,7 @@ def _filled(case: Case, x: Floats, y: Floats) -> Picture:
 
 
 def _cell(picture: Picture, lower: Floats, upper: Floats, at: Sequence[float] | Floats) -> tuple[int, int]:
-    """Return the row and the column of a place, those nearest to it if it is outside of the picture."""
+    """Return the row and the column of a place, the nearest ones if it is outside of the picture."""
     up, across = picture.shape
     row = math.floor((upper[1] - at[1]) / (upper[1] - lower[1]) * up)
     column = math.floor((at[0] - lower[0]) / (upper[0] - lower[0]) * across)
@@ -61,7 +61,7 @@ def _cell(picture: Picture, lower: Floats, upper: Floats, at: Sequence[float] | 
 
 
 def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
-    """Draw plates, and whatever moves."""
+    """Draw plates and moving walls."""
     for wall in standing(case):
         outline = solid_of(wall)
         if outline.two_sided or not isinstance(wall.motion, AtRest):
@@ -71,7 +71,7 @@ def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
 
 
 def _probes(case: Case, picture: Picture, lower: Floats, upper: Floats) -> list[str]:
-    """Draw the probes that have a place, and return what their numbers are."""
+    """Draw the probes that have a place, and return the legend."""
     found: list[str] = []
     for probe in case.probes:
         at = getattr(probe, "at", None)

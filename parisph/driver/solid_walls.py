@@ -1,4 +1,4 @@
-"""Walls of any shape in a simulation: their elements, and fluid that fills what they leave, before the first step."""
+"""Walls of any shape in a simulation: their elements, and the fluid between them, before the first step."""
 
 from collections.abc import Collection
 
@@ -18,11 +18,11 @@ from parisph.methods.rigid_bodies import Prescribed
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
-APART = 4    # times that close pairs of a jittered start are parted, until less than rounding is left
+APART = 4    # passes that part close pairs of a jittered start, to below rounding
 
 
 def fields(case: Case) -> tuple[str, ...]:
-    """Return the names of the fields that particles need beside walls."""
+    """Return the names of the fields that walls need."""
     moving = len(build.scene_motions(case)) > 1
     return (*Boundary.fields, "wall_u") if moving else Boundary.fields
 
@@ -30,16 +30,16 @@ def fields(case: Case) -> tuple[str, ...]:
 def elements_of(case: Case, particles: Particles) -> WallElements:
     """Return the elements of the walls of a case. Collective.
 
-    particles : all that were built; the nodes of the walls are the last of them, as of every checkpoint
+    particles : all particles; the last ones are the nodes of the walls, also in every checkpoint
 
-    Raises CaseError, on all ranks, if a checkpoint is of an earlier release that divided these walls otherwise.
+    Raises CaseError, on all ranks, if an earlier release that wrote the checkpoint divided these walls differently.
     """
     mesh = build.scene_mesh(case) or no_mesh(case.dim)
     nodes = particles.comm.allreduce(int(np.count_nonzero(particles.kind == WALL)))
     if nodes != len(mesh.x0):
-        raise CaseError(f"the checkpoint has {nodes} particles on walls, and this release divides the same walls by "
-                        f"{len(mesh.x0)}: go on with the release that made the run, which `parisph info` names, or "
-                        "start it anew with parisph run and its case.json")
+        raise CaseError(f"the checkpoint has {nodes} particles on walls, and this release has {len(mesh.x0)} for "
+                        "them: continue with the release of the run, which `parisph info` names, or start it again "
+                        "with parisph run and its case.json")
     last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
     movers = [Prescribed(motion) for motion in build.scene_motions(case)]
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, movers)
@@ -48,7 +48,7 @@ def elements_of(case: Case, particles: Particles) -> WallElements:
 def complete(case: Case, flow: Flow, names: Collection[str]) -> None:
     """Give particles the fields of walls that a checkpoint of an earlier release lacks. Collective.
 
-    Until then, a tank that was all the walls of a scene had no elements. names : of the fields that there are
+    In such a release, a tank without other walls had no elements. names : fields of the checkpoint
     """
     p = flow.particles
     if "area" in names or not p.n_global:
@@ -63,11 +63,10 @@ def complete(case: Case, flow: Flow, names: Collection[str]) -> None:
 
 
 def fill(case: Case, flow: Flow) -> None:
-    """Pack the fluid of a scene, give it the volumes that it stands for, and jitter it. Collective.
+    """Pack the fluid of a scene, set its volumes, and jitter it. Collective.
 
-    Fluid on the lattice of a tank alone is even as it is (build.even): neither walls nor other fluid move its jittered
-    particles. In other scenes a method that keeps pairs apart does so here, too. Its first step would only after it has
-    found their pressure.
+    Fluid on the lattice of a lone tank is even (build.even), and its jittered particles are not moved further. In other
+    scenes a method that keeps pairs apart does so here too: its first step would do it after the pressure solve.
     """
     p, d, s = flow.particles, flow.domain, case.numerics.spacing
     even = build.even(case)

@@ -1,4 +1,4 @@
-"""The account of a run: the content of summary.json, also after a failure."""
+"""The content of summary.json, also after a failure."""
 
 import json
 import resource
@@ -26,15 +26,15 @@ from parisph.methods import catalogue
 from parisph.methods.reports import StepReport
 from parisph.truth import arrivals, impacts, overtopping, reflected, verdict
 
-FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
-DRAINED = 0.1           # share of the water that has left, which the status tells
-BODY = 0.05             # share of isolated particles, later, that is more than spray
+FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, without a note
+DRAINED = 0.1           # share of the water that has left, above which the status names it
+BODY = 0.05             # share of isolated particles in a step, above which they are more than spray
 
 
 class Account:
-    """Collects the cost of a run, and what it conserves, over restarts.
+    """Collects the cost and the diagnostics of a run, over restarts.
 
-    state : of the checkpoint from which a run continues, None for a new run
+    state : of the checkpoint of a continued run, None for a new run
     """
 
     def __init__(self, state: Mapping[str, Any] | None = None) -> None:
@@ -45,20 +45,20 @@ class Account:
         self.fallbacks = 0
         self.divergence: float | None = None
         self.diagnostics: diagnostics.Diagnostics | None = None    # from `start` on
-        self._balance: LoadBalance | None = None                   # the same
-        self._uneven: list[str] = []              # gauges, once the run is over
-        self._gaps: dict[str, str] = {}           # of probes, the same
+        self._balance: LoadBalance | None = None                   # from `start` on
+        self._uneven: list[str] = []              # lines about gauges, after the run
+        self._gaps: dict[str, str] = {}           # of probes, after the run
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         # {limit: time [s] at which it was passed}
         self.passed: dict[str, float] = dict(before.get("passed", {}))
         self._fluid = 0
-        self._walls: int | None = None    # how many particles are on walls, from `start` on
+        self._walls: int | None = None    # particles on walls, from `start` on
 
     def start(self, simulation: Simulation, isolated: int = 0) -> None:
         """Measure energy and volume at the start of the run, or of this part of it. Collective.
 
-        isolated : particles that no free surface anchors in the first solve (Simulation.solve_start)
+        isolated : particles without contact with a free surface in the first solve (Simulation.solve_start)
         """
         p = simulation.particles
         self._fluid = fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
@@ -79,9 +79,9 @@ class Account:
         self._balance = LoadBalance(simulation)
 
     def _ahead(self, simulation: Simulation) -> list[str]:
-        """Return what was doubtful before the run, the same on all ranks, and say it. Collective."""
+        """Return the warnings before the run, the same on all ranks, and log them. Collective."""
         comm, case = simulation.comm, simulation.case
-        found = on_first(comm, "look for what is doubtful in the case",    # the estimate depends on the machine
+        found = on_first(comm, "check the case for warnings",    # the estimate depends on the machine
                          lambda: [*precheck.early_warnings(case, build.counts(case), scales.expected(case), comm.size)])
         told: list[str] = comm.bcast(found)
         for text in told if comm.rank == 0 else ():
@@ -94,15 +94,15 @@ class Account:
             self.diagnostics.measure(simulation)
 
     def look_back(self, simulation: Simulation, store: Store) -> None:
-        """Look at the waves that the gauges have recorded in the whole run, from its files. Collective."""
+        """Read the files of the whole run for warnings about gauges and probes. Collective."""
         folder = store.folder
         found = on_first(simulation.comm, f"read {folder}", lambda: _looked_back(simulation.case, store))
         self._uneven, self._gaps = simulation.comm.bcast(found) or ([], {})
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
-        """Count a step that was made. Collective."""
+        """Count a step. Collective."""
         self.fallbacks += report.fallbacks
-        self.divergence = getattr(report, "divergence", None)    # a projection has one
+        self.divergence = getattr(report, "divergence", None)    # only of a projection
         isolated = getattr(report, "isolated", 0)
         if isolated > self._isolated[0]:
             self._isolated = [isolated, simulation.time]
@@ -110,32 +110,32 @@ class Account:
             self.diagnostics.step(simulation)
 
     def news(self, time: float) -> list[str]:
-        """Return one line for each limit that is passed for the first time, now at `time` [s]. Not collective."""
+        """Return one line for each limit exceeded for the first time, at `time` [s]. Not collective."""
         found = {} if self.diagnostics is None else self.diagnostics.passed()
         new = [name for name in found if name not in self.passed]
         self.passed.update(dict.fromkeys(new, time))
         return [found[name] for name in new]
 
     def status(self) -> str:
-        """Return the status of a run that has come to its end. Not collective."""
+        """Return the status of a completed run. Not collective."""
         lost = 0.0 if self.diagnostics is None else self.diagnostics.lost
         if lost > DRAINED:
             return f"completed with warnings: {lost:.0%} of the water has left"
         return "completed with warnings" if self.warnings() else "completed"
 
     def warnings(self) -> list[str]:
-        """Return one line for each warning of the whole run, the gravest first. Not collective."""
+        """Return one line for each warning of the whole run, the most serious first. Not collective."""
         checks, (most, time) = self.diagnostics, self._isolated
         found = [*([] if checks is None else checks.of_loss()), *self._notes]
         if most > BODY * self._fluid > 0.0:
             found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
-                         "fluid particles and the walls): their pressure has no level of its own")
+                         "fluid particles and the walls): the level of their pressure is not fixed")
         return [*found, *({} if checks is None else checks.passed()).values(), *self._uneven]
 
     def state(self, simulation: Simulation, comm: MPI.Comm | None = None) -> dict[str, Any]:
         """Return the data that a checkpoint needs to continue the account. Collective.
 
-        comm : the ranks whose cost counts, by default all of the simulation
+        comm : the ranks whose cost counts, by default all
         """
         comm = comm or simulation.comm
         found = simulation.timers.reduce(comm)
@@ -154,7 +154,8 @@ class Account:
 
         Collective.
 
-        comm : the ranks whose cost counts, by default all; MPI.COMM_SELF makes it not collective
+        comm : the ranks whose cost counts, by default all; with MPI.COMM_SELF it is not collective
+
         Raises StoreError on every rank if the files of the run cannot be read.
         """
         s, comm = simulation, comm or simulation.comm
@@ -188,7 +189,7 @@ def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, fl
 
 
 def _from_files(case: Case, store: Store) -> dict[str, Any]:
-    """Return the entries of the summary that are found from the files of the whole run, with its earlier parts."""
+    """Return the entries of the summary from the files of the whole run, with its earlier parts."""
     try:
         run = reader.open_run(store.folder)
         iterations, steps = None, run.steps
@@ -208,14 +209,14 @@ def _looked_back(case: Case, store: Store) -> tuple[list[str], dict[str, str]]:
     try:
         run = reader.open_run(store.folder)
         return diagnostics.of_gauges(case, run), probe_gaps.gaps(case, run)
-    except ParisphError:    # _from_files tells why nothing can be read
+    except ParisphError:    # reported by _from_files
         return [], {}
 
 
 def _peak_memory() -> float:
     """Return the largest resident memory of this process so far [MB].
 
-    Linux's VmHWM starts with the program; that of getrusage is inherited from the parent process.
+    VmHWM of Linux starts with the program; getrusage inherits the value of the parent process.
     """
     try:
         line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))

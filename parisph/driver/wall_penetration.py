@@ -1,4 +1,4 @@
-"""Fluid that has passed through a wall. This is an error: the flow would go on there unseen."""
+"""Fluid that has passed through a wall, which is an error."""
 
 import numpy as np
 
@@ -9,12 +9,12 @@ from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
-EVERY = 10     # steps between checks, few enough that the fluid is still near the wall it has passed
-DEEP = 0.5     # depth behind a wall from which on fluid is lost [spacings]
+EVERY = 10     # steps between checks: fluid must still be near the wall that it has passed
+DEEP = 0.5     # spacings: fluid deeper behind a wall is lost
 
 
 def check(domain: Domain) -> None:
-    """Raise ParticleLost on every rank if fluid is behind a wall that it is near. Collective."""
+    """Raise ParticleLost on every rank if fluid is behind a nearby wall. Collective."""
     elements = domain.elements
     p = domain.particles
     depth = np.empty(p.n_owned)

@@ -1,4 +1,4 @@
-"""Compile the kernels once, on one rank, so that the others can load them."""
+"""Compile the kernels on one rank, so the others can load them."""
 
 import hashlib
 from collections.abc import Callable
@@ -17,22 +17,22 @@ from parisph.watch import instruments
 from parisph.watch.probes.energy_probe import Energy
 from parisph.watch.probes.volume import Volume
 
-CELLS = 12     # sides of the small tank, in spacings
-FILLED = 6     # sides of the body of fluid in it
-STEP = 1e-3    # of the time in which a particle falls by half a spacing, as g = 1
+CELLS = 12     # spacings: sides of the small tank
+FILLED = 6     # spacings: sides of the body of fluid in it
+STEP = 1e-3    # of sqrt(s/g): a very short step
 
 
 def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], case: Case,
                       numerics: ResolvedNumerics) -> None:
     """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
 
-    The other ranks wait and then load the kernels from the cache; otherwise each would compile all
-    of them, which takes half a minute. Where this has been done before, it is left out.
+    The other ranks wait and then load the kernels from the cache. Otherwise each would compile all of them, which takes
+    half a minute. It is skipped if it was done before.
 
-    make : Simulation, as a function (case, comm) -> Simulation
+    make : function (case, comm) -> Simulation
     case, numerics : the scene whose kernels are needed
 
-    Raises ParisphError on every rank: something else failed on rank 0, such as the compiler.
+    Raises ParisphError on every rank: something other than the scene failed on rank 0, such as the compiler.
     """
     problem = None
     if comm.rank == 0:
@@ -42,27 +42,27 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
             if jit.FOLDERS.first(name) is None:
                 _step(make(scene, MPI.COMM_SELF))
                 if jit.FOLDERS.write is not None:
-                    with suppress(OSError):    # a full disk: the next run does it again
+                    with suppress(OSError):    # a full disk: the next run tries again
                         (jit.FOLDERS.write / name).touch()
         except ParisphError:
-            pass    # whatever is wrong with the small scene, the real one will report it on all ranks
+            pass    # the real scene reports the same error on all ranks
         except Exception as error:
             problem = error
-    comm.Barrier()    # lets other threads of the ranks that wait run, as the sums of `agree` do not
+    comm.Barrier()    # other threads of waiting ranks run in it, but not in the sums of `agree`
     agree(comm, problem)
 
 
 def mark_of(scene: Case) -> str:
-    """Return the name of the file, beside the compiled kernels, that says that those of a small scene are there.
+    """Return the name of the file that marks the kernels of a small scene as compiled. Not collective.
 
-    It is another one for each processor and each release of numba, as the kernels are. Not collective.
+    It depends on the processor and the release of numba, as do the kernels.
     """
     key = (scene.model_dump_json(), *processor.identity())
     return f"ready-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}"
 
 
 def small(case: Case, numerics: ResolvedNumerics) -> Case:
-    """Return a scene of a few particles that needs the same kernels: closed if the case is closed."""
+    """Return a scene of few particles that needs the same kernels: closed if the case is closed."""
     s = numerics.spacing
     side = CELLS * s
     filled = side if case.closed else FILLED * s

@@ -1,8 +1,8 @@
-"""From a case to its walls and its particles, for any scene. Not collective, needs no MPI.
+"""Walls and particles of a case at the start, for any scene. Not collective, needs no MPI.
 
-Particles are numbered: fluid first, body after body, then the nodes of the wall mesh in their order, so that the
-mesh node of a wall particle is its id less the number of fluid particles at the start. A rank makes its own slice, and
-looks at the lines of the lattice and at the walls only, of which there are some sqrt(N).
+Ids number the fluid first, body by body, then the nodes of the wall mesh in their order. So the mesh node of a wall
+particle is its id minus the number of fluid particles at the start. Each rank makes its own slice only. It also reads
+the lattice lines and the walls, about sqrt(N) of them.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,17 +30,16 @@ from parisph.geometry.raised import lowered, raised
 from parisph.geometry.solid import Wall, in_fluid, solid_of
 from parisph.geometry.standing import standing
 
-CHUNK = 2**18   # particles looked at in one go; bounds the memory of a large scene
-BESIDE = 0.5    # spacings: a wall node this near to the surface is at the contact line
-LIFT = 0.1      # spacings: so far in front of a node its fluid is looked for
-TURN = 0.02     # [rad] between two places at which walls that turn are looked at
+CHUNK = 2**18   # particles treated at once; limits the memory of a large scene
+BESIDE = 0.5    # spacings: a wall node within this distance of the surface is at the contact line
+LIFT = 0.1      # spacings in front of a node, where its fluid is looked for
+TURN = 0.02     # [rad] between two checked positions of a rotating wall
 
 
 def scene_mesh(case: Scene) -> WallMesh | None:
-    """Return the mesh of all walls of a case, None without walls. Raises CaseError.
+    """Return the mesh of all walls of a case, or None without walls. Raises CaseError.
 
-    Its nodes are in the frames of their bodies, which is where they are at t = 0: `bodies[k].motion` is the number of
-    the motion in `scene_motions`.
+    Nodes are at their positions at t = 0. `bodies[k].motion` numbers the motion in `scene_motions`.
     """
     walls = standing(case)
     return wall_mesh(walls, case.numerics.spacing) if walls else None
@@ -54,24 +53,24 @@ def scene_motions(case: Scene) -> tuple[Motion, ...]:
 def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     """Build this rank's slice of the particles at the start.
 
-    rank, size : which slice of how many; the particles do not depend on `size`
+    rank, size : slice `rank` of `size`; the particles do not depend on `size`
 
-    Returns arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8; x [m], u [m/s],
-    normal (n, dim); volume (n,) [m^dim], of fluid the cell of its lattice, of walls 0 (see `weighed`); p (n,) [Pa], of
-    weakly compressible fluid that of still water, else 0 until the first solve; swirl (n,) [1/s]; start_role as role;
-    no_slip (n,) int8; wall_u (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised
-    sum of both walls'. Fluid is not jittered: see `jitter`.
+    Returns arrays: id (n,) int64, in order; kind, corner, role (n,) int8; x [m], u [m/s], normal (n, dim);
+    volume (n,) [m^dim], the lattice cell of fluid, 0 of walls (see `weighed`); p (n,) [Pa], of weakly compressible
+    fluid that of still water, else 0 until the first solve; swirl (n,) [1/s]; start_role as role; no_slip (n,) int8;
+    wall_u (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
+    Fluid is not jittered: see `jitter`.
 
     weight (n,), of fluid its cell over s^dim, of a node the part of a cell s^dim inside the fluid, area * share /
     s^(dim-1); area (n, dim), of a node its vector area over s^(dim-1), of fluid 0; edge (n,) int8 (geometry.mesh); body
     (n,) int16, of a node the number of its body in the mesh, of fluid -1.
 
-    Raises CaseError if there is no fluid.
+    Raises CaseError where no fluid particle fits.
     """
     mesh, fills = scene_mesh(case), fillings(case)
     n_fluid, n_wall = sum(fill.count for fill in fills), 0 if mesh is None else len(mesh.x0)
     if n_fluid == 0:
-        raise CaseError("fluid: there is room for no particle: it is too thin for the spacing, or behind the walls")
+        raise CaseError("fluid: no particle fits: it is thinner than the spacing, or behind the walls")
     total = n_fluid + n_wall
     start, stop = total * rank // size, total * (rank + 1) // size
     parts, first = [], 0
@@ -88,8 +87,7 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
 
 
 def fillings(case: Scene) -> tuple[Filling, ...]:
-    """Return the Filling of each body of fluid, which gives way to other fluid; see `fill.taken`. They are made once.
-    """
+    """Return the Filling of each body of fluid. Cached. `fill.taken` says which fluid gives way to which."""
     return _fillings(case.fluids, standing(case), case.numerics.spacing)
 
 
@@ -102,17 +100,14 @@ def _fillings(fluids: tuple[Fluid, ...], walls: tuple[Wall, ...], spacing: float
 
 
 def even(case: Scene) -> bool:
-    """Return whether all fluid starts on the lattice of the tank, which is the only wall, or there is no wall.
-
-    Such fluid lies evenly up to the walls: it need not be packed.
-    """
+    """Return whether all fluid starts on the lattice of the tank as the only wall, or without walls."""
     return all(fill.even for fill in fillings(case))
 
 
 def weighed(case: Scene) -> bool:
-    """Return whether the volumes of `build` are those for which particles stand: where all fluid is one even Box.
+    """Return whether `build` gives the volumes of the particles: if all fluid is one even Box.
 
-    For other scenes `samples` and kernels.packing.volumes give them.
+    For other scenes, `samples` and kernels.packing.volumes give them.
     """
     fluid = case.fluids[0]
     return len(case.fluids) == 1 and isinstance(fluid.shape, Box) and not fluid.holes and even(case)
@@ -126,17 +121,16 @@ def counts(case: Scene) -> dict[str, int]:
 
 
 def has_surface(case: Scene) -> bool:
-    """Return whether any fluid of a scene is on the surface at the start. Looks at CHUNK particles at a time."""
+    """Return whether any fluid of a scene is on the surface at the start."""
     fills = fillings(case)
     return any(fill.is_surface(fill.indices(low, low + CHUNK), fills).any()
                for fill in fills for low in range(0, fill.count, CHUNK))
 
 
 def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iterator[tuple[Array, Array]]:
-    """Yield places (m, dim) [m] all over the fluid at the start, and the volume (m,) [m^dim] around each of them.
+    """Yield sample places (m, dim) [m] of the fluid at the start, with the volume (m,) [m^dim] of each.
 
-    For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene to look
-    at; the places do not depend on it
+    For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene whose places are returned
     """
     for fluid, fill in zip(case.fluids, fillings(case)):
         for places, volume in samples_of(fill, *domain(case), (lower[0], upper[0])):
@@ -152,7 +146,7 @@ def volume(case: Scene) -> float:
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
-    """Return the displacement (n, dim) [m] by which the case jitters fluid particles of these numbers.
+    """Return the displacement (n, dim) [m] by which the case jitters the numbered fluid particles.
 
     surface : (n,) bool, whether they are on the surface
     """
@@ -166,7 +160,7 @@ def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
 def uniform(seed: int, number: Ints, columns: int) -> Floats:
     """Return random numbers (n, columns) in [0, 1) that depend only on the seed and the particle's number.
 
-    They are a hash (splitmix64's finaliser) of a counter: without state, so the same on any number of ranks.
+    They are a hash of a counter (splitmix64's finaliser), so the same on any number of ranks.
     """
     with np.errstate(over="ignore"):
         column: NDArray[np.uint64] = np.arange(columns, dtype=np.uint64)
@@ -183,8 +177,7 @@ def _mix(z: NDArray[np.uint64]) -> NDArray[np.uint64]:
 
 
 def started(case: Scene, number: Ints, x: Floats) -> dict[str, Floats]:
-    """Return u (n, dim) [m/s], swirl (n,) [1/s] and p (n,) [Pa] at the start of the fluid particles of these numbers,
-    at x (n, dim) [m]."""
+    """Return u (n, dim) [m/s], swirl (n,) [1/s] and p (n,) [Pa] at the start, of numbered fluid at x (n, dim) [m]."""
     found, first = {"u": np.zeros_like(x), "swirl": np.zeros(len(x)), "p": np.zeros(len(x))}, 0
     for fluid, fill in zip(case.fluids, fillings(case)):
         own = (number >= first) & (number < first + fill.count)
@@ -201,9 +194,9 @@ def _started(case: Scene, fluid: Fluid, x: Floats) -> dict[str, Floats]:
 
 
 def domain(case: Scene) -> tuple[Floats, Floats]:
-    """Return the lower and the upper corner (dim,) [m] of the walls, wherever they move, or of the fluid without any.
+    """Return the corners (dim,) [m] of a box around the walls in all positions, or without walls around the fluid.
 
-    A scene without a lid is open above: the box then also holds the fluid at the start.
+    Without a lid, the box also contains the fluid at the start.
     """
     if case.wall_bounds is None:
         return case.fluid_bounds
@@ -219,17 +212,17 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
 
 
 def _visited(motion: Motion, stop: float) -> Floats:
-    """Return values of the law of a motion: at least its least and its greatest up to a time [s]."""
+    """Return values of the law of a motion up to a time [s], including its minimum and its maximum."""
     values = course(motion, stop)[1]
     least, greatest = float(values.min()), float(values.max())
-    if not isinstance(motion, Rotation):    # corners go straight
+    if not isinstance(motion, Rotation):    # corners move along straight lines
         return np.array([least, greatest])
     places: Floats = np.linspace(least, greatest, 2 + int(min(greatest - least, 2.0 * np.pi) / TURN))
     return places
 
 
 def _highest(case: Scene, fluid: Fluid) -> float:
-    """Return the height [m] of the highest fluid of a body at the start."""
+    """Return the height [m] of the surface of a body of fluid at the start."""
     lower, upper = case.bounds_of(fluid)
     if not fluid.raised:
         return float(upper[-1])
@@ -238,10 +231,7 @@ def _highest(case: Scene, fluid: Fluid) -> float:
 
 
 def _still_pressure(case: Scene, fluid: Fluid, x: Floats) -> Floats:
-    """Return the pressure [Pa] at x (n, dim) [m] of fluid below its level top in uniform gravity, 0 for other fluid.
-
-    With an elevation, the top is that above x.
-    """
+    """Return the pressure [Pa] at x (n, dim) [m] of still fluid in uniform gravity, 0 for other shapes or forces."""
     gravity = uniform_field(case.gravity)
     if gravity is None or not isinstance(fluid.shape, (Box, StillWater)):
         return np.zeros(len(x))
@@ -250,7 +240,7 @@ def _still_pressure(case: Scene, fluid: Fluid, x: Floats) -> Floats:
 
 
 def _fluid(case: Case, fluid: Fluid, fill: Filling, start: int, stop: int) -> dict[str, Array]:
-    """Return points number start to stop of one body of fluid."""
+    """Return the arrays of points start to stop of one body of fluid."""
     index = fill.indices(start, stop)
     surface = fill.is_surface(index, fillings(case))
     x, factor = fill.position(index), np.ones(len(index))
@@ -268,7 +258,7 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, start: int, stop: int) -> di
 
 
 def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
-    """Return nodes (n,) of the mesh of a case as particles, the same arrays as `build` but for ids."""
+    """Return nodes (n,) of the mesh of a case as particles: the arrays of `build` without ids."""
     walls, mesh, s, n = standing(case), scene_mesh(case), case.numerics.spacing, len(nodes)
     assert mesh is not None
     x, no_slip, wall_u = mesh.x0[nodes], np.zeros(n, dtype=np.int8), np.zeros((n, mesh.dim))
@@ -282,7 +272,7 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         else:
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
-    corner = (mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))    # or an open end, as the foot of a piston
+    corner = (mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))    # or an open end, like the foot of a piston
     return {
         "kind": np.full(n, WALL, dtype=np.int8), "corner": corner[nodes].astype(np.int8),
         "role": _roles(case, walls, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
@@ -293,9 +283,9 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
 
 
 def _roles(case: Scene, walls: Sequence[Wall], x: Floats, normal: Floats, edge: Array) -> Array:
-    """Return the roles (n,) of nodes: wet where fluid comes to them, in contact near its surface, else dry.
+    """Return the roles (n,) of nodes: WET in fluid, CONTACT near its surface, else DRY.
 
-    Dry are also nodes behind another body, as those of a bed behind a piston, and convex edges, which carry no row.
+    Nodes behind another body, like those of a bed behind a piston, are DRY, and so are convex edges, which have no row.
     """
     s = case.numerics.spacing
 
@@ -315,7 +305,7 @@ def _roles(case: Scene, walls: Sequence[Wall], x: Floats, normal: Floats, edge: 
 
 
 def _sides(tank: Tank, x: Floats, spacing: float) -> tuple[Array, Floats]:
-    """Return 1 for nodes of sticky sides of a tank and 0 for others, (n,), and the velocity of its lid (n, dim)."""
+    """Return 1 for nodes on no-slip sides of a tank, else 0, (n,), and the velocity of its lid (n, dim)."""
     (left, bottom), (right, top) = tank.bounds
     near = 1e-6 * spacing
     on = {"left": np.abs(x[:, 0] - left) < near, "right": np.abs(x[:, 0] - right) < near,

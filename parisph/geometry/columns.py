@@ -1,7 +1,7 @@
-"""Intervals along upright lines (2D): where these lines cross outlines, or come near them, and what is left between.
+"""Intervals along vertical lines (2D): where lines cross outlines or come near them, and the gaps between.
 
-A scene of N particles has sqrt(N) such lines, so that every rank can look at all of them, but at its own particles
-only. A set of intervals is three arrays: the number of the line, the lower and the upper end.
+A scene of N particles has sqrt(N) such lines, so every rank can treat all of them, but only its own particles. A set of
+intervals is three arrays: line number, lower end, upper end.
 """
 
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ def cross(a: Floats, b: Floats) -> Floats:
 
 
 def _pairs(left: Floats, right: Floats, lines: Floats) -> tuple[Ints, Ints]:
-    """Return the numbers of pieces from `left` to `right` and of the lines that each of them meets."""
+    """Return the numbers of all pairs of a piece from `left` to `right` and a line that it meets."""
     first = np.searchsorted(lines, left, side="left")
     count = np.maximum(np.searchsorted(lines, right, side="right") - first, 0)
     piece = np.repeat(np.arange(len(left)), count)
@@ -41,7 +41,7 @@ def overlapping(lower: Floats, upper: Floats, some: int = 2**20) -> Iterator[tup
     """
     order = np.argsort(lower[:, 0], kind="stable")
     low, high = lower[order], upper[order]
-    last = np.searchsorted(low[:, 0], high[:, 0], side="right")    # that begin before this one ends
+    last = np.searchsorted(low[:, 0], high[:, 0], side="right")    # of the boxes that begin before this one ends
     count = np.maximum(last - np.arange(len(order)) - 1, 0)
     before = np.concatenate([[0], np.cumsum(count)])
     start = 0
@@ -55,29 +55,29 @@ def overlapping(lower: Floats, upper: Floats, some: int = 2**20) -> Iterator[tup
 
 
 def near_pieces(a: Floats, b: Floats, reach: float, lines: Floats) -> Intervals:
-    """Return where lines x = lines (n,), in order, are nearer than `reach` [m] to straight pieces from a to b (m, 2).
+    """Return where lines x = lines (n,), ascending, are within `reach` [m] of straight pieces from a to b (m, 2).
 
-    The points near a piece are convex, so that it makes one interval on a line.
+    The points near a piece are a convex set, so they form one interval on a line.
     """
     piece, line = _pairs(np.minimum(a[:, 0], b[:, 0]) - reach, np.maximum(a[:, 0], b[:, 0]) + reach, lines)
     a, b, x, ends = a[piece], b[piece], lines[line], []
     along = b - a
     side = reach * np.stack([-along[:, 1], along[:, 0]]) / np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)
     with np.errstate(divide="ignore", invalid="ignore"):
-        for sign in (-1.0, 1.0):    # of circles around both ends of a piece, and of its two sides
+        for sign in (-1.0, 1.0):    # circles around both ends of a piece, and its two offset sides
             ends += [p[:, 1] + sign * np.sqrt(reach**2 - (x - p[:, 0]) ** 2) for p in (a, b)]
             t = (x - a[:, 0] - sign * side[0]) / along[:, 0]
             ends.append(np.where((t >= 0.0) & (t <= 1.0), a[:, 1] + t * along[:, 1] + sign * side[1], np.nan))
     low, high = np.fmin.reduce(ends), np.fmax.reduce(ends)
-    met = low <= high    # by all but those that a line touches
+    met = low <= high    # false where a line only touches
     return line[met], low[met], high[met]
 
 
 def crossings(a: Floats, b: Floats, lines: Floats) -> tuple[Ints, Floats]:
-    """Return where straight pieces from a to b (m, 2) cross lines x = lines (n,), in order: line, height [m]."""
+    """Return where straight pieces from a to b (m, 2) cross lines x = lines (n,), ascending: line, height [m]."""
     left, right = np.minimum(a[:, 0], b[:, 0]), np.maximum(a[:, 0], b[:, 0])
     piece, line = _pairs(left, right, lines)
-    there = (lines[line] < right[piece])    # a line through a common end of two pieces crosses one of them
+    there = (lines[line] < right[piece])    # a line through a shared end crosses one of two pieces
     piece, line = piece[there], line[there]
     t = (lines[line] - a[piece, 0]) / (b[piece, 0] - a[piece, 0])
     return line, a[piece, 1] + t * (b[piece, 1] - a[piece, 1])
@@ -94,7 +94,7 @@ def between(line: Ints, height: Floats) -> Intervals:
 def beds(corners: Floats, columns: Floats, top: float) -> Floats:
     """Return the height (n,) [m] of the highest element below `top` with fluid above it, on lines x = columns (n,).
 
-    corners : (M, 2, 2) [m], with the fluid on the left. Where there is none it is that of the lowest element.
+    corners : (M, 2, 2) [m], with the fluid on the left. Without such an element: the height of the lowest one.
     """
     up = corners[corners[:, 0, 0] < corners[:, 1, 0]]
     order = np.argsort(columns, kind="stable")
@@ -105,11 +105,11 @@ def beds(corners: Floats, columns: Floats, top: float) -> Floats:
 
 
 def union(*parts: Intervals) -> Intervals:
-    """Return disjoint intervals, in order, that cover the same as all parts together."""
+    """Return the union of all parts as disjoint intervals, in order."""
     line, low, high = (np.concatenate([part[k] for part in parts]) for k in range(3))
     line, at = np.concatenate([line, line]), np.concatenate([low, np.maximum(low, high)])
     step = np.repeat([1, -1], len(low))
-    order = np.lexsort([-step, at, line])    # of the same place, starts before ends: what touches is joined
+    order = np.lexsort([-step, at, line])    # at one place, starts before ends: touching intervals are joined
     line, at = line[order], at[order]
     last = np.flatnonzero(np.cumsum(step[order]) == 0)
     first = np.append(0, last[:-1] + 1)[: len(last)]
@@ -117,7 +117,7 @@ def union(*parts: Intervals) -> Intervals:
 
 
 def gaps(taken: Intervals, lines: int, bottom: float, top: float) -> Intervals:
-    """Return what intervals leave of `lines` lines between bottom and top, in order, with no length if they touch."""
+    """Return the gaps (also of length 0) that intervals leave on `lines` lines between bottom and top, in order."""
     every = np.arange(lines)
     below = every, np.full(lines, -np.inf), np.full(lines, bottom)
     above = every, np.full(lines, top), np.full(lines, np.inf)

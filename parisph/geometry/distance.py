@@ -1,7 +1,7 @@
-"""Normals of elements, distance of points from them, and on which side of them they lie. 2D and 3D.
+"""Normals of elements, and the nearest element to each point. 2D and 3D.
 
-Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out
-the boxes that are farther away than something they have seen. So a point looks at a few boxes on each level only.
+Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and drop the
+boxes that are farther away than an element already seen. So a point visits only a few boxes on each level.
 """
 
 import numpy as np
@@ -10,13 +10,13 @@ from parisph.base.arrays import Floats, Ints
 from parisph.geometry.columns import meet
 
 CHUNK = 2**16      # points that go down the tree together
-PAIRS = 2**20      # of a point and an element that are looked at in one go
-TIE = 1e-9         # of a distance: elements as near as that are equally near
-BITS = 10          # of the place of an element along each axis, in the order along a curve through all places
+PAIRS = 2**20      # pairs of a point and an element treated at once
+TIE = 1e-9         # of a distance: differences below this count as equal
+BITS = 10          # bits per axis of the place of an element in Morton order
 
 
 def area_vectors(corners: Floats) -> Floats:
-    """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
+    """Return the normals (M, dim) of elements (M, dim, dim), with their measures as lengths [m^(dim-1)]."""
     along = corners[:, 1] - corners[:, 0]
     if corners.shape[2] == 2:
         found: Floats = np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
@@ -35,9 +35,8 @@ def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats,
     """Return the distance (n,) [m] of points from elements, the nearest element (n,), and its point (n, dim) [m].
 
     x : (n, dim) [m]; corners : (M, dim, dim) [m]
-    within : [m]; points farther away have the distance inf and the element -1, which is faster
-    Of elements that are equally near, as those that join at a node, the one that the point faces most squarely is
-    taken.
+    within : [m]; points farther away get distance inf and element -1; a small value is faster
+    Of equally near elements, like those that share a node, the one with the normal nearest to the way to x.
     """
     if len(corners) == 0:
         return np.full(len(x), np.inf), np.full(len(x), -1), np.full(x.shape, np.nan)
@@ -48,11 +47,11 @@ def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats,
 
 
 def across(x: Floats, way: Floats, corners: Floats, facing: float = 0.0, least: float = 1e-9) -> tuple[Floats, Ints]:
-    """Return how far points are from the first element that faces them in a direction, (n,) [m], and that element (n,).
+    """Return the distance (n,) [m] from points to the first element facing them in a direction, and that element (n,).
 
     x : (n, 2) [m]; way : (n, 2), unit directions; corners : (M, 2, 2) [m]
-    facing : the cosine between the direction and the normal of an element is less; least : the distance is more [m]
-    Without such an element the distance is inf. 2D
+    facing : only elements with a smaller cosine between the direction and their normal count
+    least : only distances above this count [m]. Without such an element the distance is inf. 2D
     """
     gap, first, normal = np.empty(len(x)), np.empty(len(x), np.int64), unit_normals(corners)
     a, along = corners[:, 0], corners[:, 1] - corners[:, 0]
@@ -66,9 +65,9 @@ def across(x: Floats, way: Floats, corners: Floats, facing: float = 0.0, least: 
 
 
 class _Tree:
-    """Boxes around elements: on level k there are 2^k, and each holds two of the next; on the last, one element each.
+    """Boxes around elements: 2^k on level k, each around two of the next level; one element each on the last.
 
-    leaf : (2^levels,) the elements along a curve, the last one repeated; lower, upper : of each level, (2^k, dim) [m]
+    leaf : (2^levels,) the elements in Morton order, the last one repeated; lower, upper : of each level, (2^k, dim) [m]
     """
 
     def __init__(self, corners: Floats) -> None:
@@ -84,7 +83,7 @@ class _Tree:
 
 
 def _along_curve(x: Floats) -> Ints:
-    """Return numbers (n,) such that points (n, dim) with near numbers are near each other (Morton order)."""
+    """Return the Morton numbers (n,) of points (n, dim)."""
     extent = max(np.ptp(x, axis=0).max(), 1e-300)
     place = ((x - x.min(axis=0)) / extent * (2**BITS - 1)).astype(np.int64)
     key = np.zeros(len(x), dtype=np.int64)
@@ -124,7 +123,7 @@ def _lower(limit: Floats, point: Ints, value: Floats) -> None:
 
 
 def _best(x: Floats, corners: Floats, point: Ints, candidate: Ints, within: float) -> tuple[Floats, Ints, Floats]:
-    """Return what nearest() does, of the candidates of each point, which are in the order of the points."""
+    """Return the result of nearest() from pairs of a point and a candidate, which are in the order of the points."""
     n, dim = x.shape
     distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
     at = on_segments(x[point], *np.moveaxis(corners[candidate], 1, 0)) if dim == 2 else _on_triangles(
@@ -141,9 +140,9 @@ def _best(x: Floats, corners: Floats, point: Ints, candidate: Ints, within: floa
 
 
 def _square(away: Floats, normal: Floats) -> Floats:
-    """Return how squarely directions (n, dim) meet planes of these normals: the cosine's size, in front before behind.
+    """Return |cosine| between directions (n, dim) and normals, slightly more in front of a plane than behind it.
 
-    Beside an edge, the side on which a point lies is that of the element which it sees most squarely.
+    Beside an edge, a point lies on the side that the element with the largest value gives.
     """
     height = np.sum(away * normal, axis=1)
     cosine = height / np.maximum(np.linalg.norm(away, axis=1) * np.linalg.norm(normal, axis=1), 1e-300)
@@ -152,7 +151,7 @@ def _square(away: Floats, normal: Floats) -> Floats:
 
 
 def on_segments(x: Floats, a: Floats, b: Floats) -> Floats:
-    """Return the points (..., dim) [m] of straight pieces from a to b that are nearest to x."""
+    """Return the points (..., dim) [m] nearest to x on straight pieces from a to b."""
     along = b - a
     t = np.sum((x - a) * along, axis=-1) / np.maximum(np.sum(along * along, axis=-1), 1e-300)
     found: Floats = a + np.clip(t, 0.0, 1.0)[..., None] * along

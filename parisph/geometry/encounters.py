@@ -1,8 +1,7 @@
-"""Walls that move against others: whether they reach them, and how near they come (2D).
+"""Moving walls and other walls: whether they collide, and how near they come (2D).
 
-A wall that moves beside walls at rest is followed by its displacement or angle, up to the least and the greatest of the
-run: each place is looked at once, however often it is passed. Two that both move are followed in time. They are moved
-on by no more than half of what is between them, so that nothing is missed.
+A wall that moves beside walls at rest is followed by its displacement or angle, between the extremes of the run. Two
+moving walls are followed in time. A step is at most half of the distance between two bodies, so nothing is missed.
 """
 
 from dataclasses import dataclass, replace
@@ -17,17 +16,17 @@ from parisph.geometry.columns import meet
 from parisph.geometry.distance import across, nearest, unit_normals
 from parisph.geometry.solid import Solid, Wall, solid_of
 
-CONTACT = 0.25    # spacings: walls that are nearer touch; so far behind a wall another is in it
-MOST = 5000       # places at which two walls that both move are looked at
-DIVIDED = 400     # parts of a straight piece at most
+CONTACT = 0.25    # spacings: nearer walls touch; a wall this far behind another is inside it
+MOST = 5000       # positions of two moving walls that are checked, at most
+DIVIDED = 400     # most parts of a straight piece
 FACING = -0.9     # cosine between the normals of walls that face each other
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class Encounter:
-    """Two bodies, and how near they come: numbers of walls, distance [m], 0 if they reach each other, where (2,) [m],
-    when [s], and the displacement [m] or angle [rad] of the first."""
+    """Two bodies, by their numbers, and their least distance [m], 0 if they collide; where (2,) [m], when [s], and the
+    displacement [m] or angle [rad] of the first."""
 
     one: int
     other: int
@@ -39,10 +38,10 @@ class Encounter:
 
 @lru_cache(maxsize=4)
 def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: float) -> tuple[Encounter, ...]:
-    """Return where walls that move against each other reach each other, or come nearer than `below` [m], up to a time.
+    """Return the collisions of walls with different motions, and approaches below `below` [m], up to a time [s].
 
-    One for each pair of bodies, each of which is what comes first, or else the nearest. Walls that slide along each
-    other, as a piston on its bed, or turn on each other, as a flap, do not count as near.
+    One for each pair of bodies: the first collision, else the least distance. Contact that exists at the start, like a
+    piston that slides on its bed or a flap on its hinge, does not count.
     """
     found = []
     for one, wall in enumerate(walls):
@@ -61,10 +60,10 @@ def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: floa
 
 
 class _Pair:
-    """Two bodies that move against each other, followed by the law of the first, or by the time if both move.
+    """Two bodies in relative motion, followed by the value of the law of the first, or by the time if both move.
 
-    ends : the values up to which they are followed, from 0; speed : how far their points move against each other per
-    unit of it [m]; timed : whether it is the time
+    ends : the values up to which they are followed, from 0; speed : greatest relative displacement [m] per unit of the
+    value; timed : whether the value is the time
     """
 
     def __init__(self, one: Wall, other: Wall, spacing: float, stop: float) -> None:
@@ -83,7 +82,7 @@ class _Pair:
         return u if self.timed else _first(*self._course, u)
 
     def placed(self, k: int, x: Floats, u: float) -> Floats:
-        """Return where points x (n, 2) [m] of one of the bodies are at a value."""
+        """Return the positions of points x (n, 2) [m] of body k at a value."""
         motion = self.walls[k].motion
         return motion.placed(x, u) if self.timed else x if k else motion.placed_by(x, u)
 
@@ -95,7 +94,7 @@ class _Pair:
 
 
 def _arm(motion: Motion, outline: Solid) -> float:
-    """Return by how much points move for a unit of the law: 1, or the arm [m] of a rotation."""
+    """Return the greatest displacement of points per unit of the law: 1, or the arm [m] of a rotation."""
     if not isinstance(motion, Rotation):
         return 1.0
     return float(np.linalg.norm(outline.points - np.array(motion.centre), axis=1).max())
@@ -112,7 +111,7 @@ def _first(times: Floats, values: Floats, value: float) -> float:
 
 
 def distance_between(a: Solid, b: Solid) -> tuple[float, Floats]:
-    """Return the distance of two outlines [m], 0 where pieces cross, and the place (2,) [m]."""
+    """Return the distance of two outlines [m], 0 if they cross, and the place (2,) [m]."""
     p, q = a.elements[:, 0], b.elements[:, 0]
     d, e = a.elements[:, 1] - p, b.elements[:, 1] - q
     t, u = meet(p[:, None], d[:, None], q, e)
@@ -130,9 +129,9 @@ def distance_between(a: Solid, b: Solid) -> tuple[float, Floats]:
 
 
 def _apart(pair: _Pair) -> tuple[float, float, Floats]:
-    """Return what two bodies that are apart at the start come to: distance, 0 if they reach each other, value, place.
+    """Return least distance, value and place of two bodies that are apart at the start.
 
-    They reach each other where they come nearer than CONTACT.
+    The distance is 0 if they collide: if they come nearer than CONTACT.
     """
     met: list[tuple[float, float, Floats]] = []
     close = CONTACT * pair.spacing
@@ -152,15 +151,15 @@ def _apart(pair: _Pair) -> tuple[float, float, Floats]:
 
 
 def _together(pair: _Pair) -> tuple[float, float, Floats]:
-    """Return what two bodies that touch at the start come to, as `_apart`.
+    """Return least distance, value and place of two bodies that touch at the start.
 
-    They reach each other where one gets into the other that was not in it. What slides along another does not.
+    They collide where a part of one enters the other that was outside at the start.
     """
     first, kept, found = pair.pose(0.0), [], []
     for k in _solid_against(pair):
         places, _ = _places(first[k].elements, pair.spacing)
         behind = first[1 - k].depth(places) > CONTACT * pair.spacing
-        # a body that is in the other at the start, as an obstacle that goes through its bed, moves in it
+        # a body inside the other at the start, like an obstacle through its bed, may move in it
         if k == 0 or not behind.any():
             kept.append((k, places[~behind]))
     for end in pair.ends:
@@ -177,8 +176,8 @@ def _together(pair: _Pair) -> tuple[float, float, Floats]:
 
 
 def _squeezed(pair: _Pair, u: float) -> tuple[float, float, Floats]:
-    """Return the least distance [m] at a value of two bodies that slide along each other, where they face each other
-    across fluid at the start, the value, and the place."""
+    """Return the least distance [m] at a value, the value, and the place, of two bodies that slide along each other,
+    where they face each other across fluid at the start."""
     close = CONTACT * pair.spacing
     before, _ = _facing(*pair.pose(0.0), pair.spacing)
     after, places = _facing(*pair.pose(u), pair.spacing)
@@ -188,7 +187,7 @@ def _squeezed(pair: _Pair, u: float) -> tuple[float, float, Floats]:
 
 
 def _solid_against(pair: _Pair) -> list[int]:
-    """Return which of the two bodies may get into the other: a plate has no inside, and behind a face is its bed."""
+    """Return the bodies that can enter the other one: a plate has no inside, and behind a face is its bed."""
     thin = [isinstance(wall, (Plate, Profile)) for wall in pair.walls]
     return [k for k in (0, 1) if not isinstance(pair.walls[1 - k], Plate) and (k == 0 or not thin[0])]
 
@@ -196,7 +195,7 @@ def _solid_against(pair: _Pair) -> list[int]:
 def _places(elements: Floats, spacing: float) -> tuple[Floats, Ints]:
     """Return the middles (n, 2) [m] of parts of elements (M, 2, 2) [m], of about a spacing, and their elements (n,)."""
     along = elements[:, 1] - elements[:, 0]
-    # ROUNDING: as many where it is turned
+    # ROUNDING: the same number where it is turned
     many = (np.linalg.norm(along, axis=1) / spacing + ROUNDING).astype(np.int64).clip(1, DIVIDED)
     own: Ints = np.repeat(np.arange(len(many)), many)
     share = (np.arange(len(own)) - np.repeat(np.cumsum(many) - many, many) + 0.5) / many[own]
@@ -205,7 +204,7 @@ def _places(elements: Floats, spacing: float) -> tuple[Floats, Ints]:
 
 
 def _facing(a: Solid, b: Solid, spacing: float) -> tuple[Floats, Floats]:
-    """Return the distance (n,) [m] along the normals from places (n, 2) [m] of one solid to the other, where this
-    faces it, inf elsewhere, and these places."""
+    """Return distances (n,) [m] along normals from places (n, 2) [m] on a to b where it faces them, else inf;
+    places."""
     places, own = _places(a.elements, spacing)
     return across(places, unit_normals(a.elements)[own], b.elements, FACING, -CONTACT * spacing)[0], places

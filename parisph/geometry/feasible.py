@@ -1,4 +1,4 @@
-"""What in a scene's geometry will not work, or not as meant, in plain sentences for `parisph check` (2D)."""
+"""Faults and warnings of a scene's geometry, one sentence each, for `parisph check` (2D)."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -19,18 +19,18 @@ from parisph.geometry.polygons import Chain
 from parisph.geometry.solid import Solid, Wall, in_fluid, outline_of, signed_area, solid_of, way_beyond
 from parisph.geometry.tips import Filled
 
-GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
-THIN = 0.1       # spacings: in front of thinner solids is what is behind them
+GAP = 2.0        # spacings: in a narrower gap each particle is beside both walls
+THIN = 0.1       # spacings: the front and the back of a thinner solid cannot be told apart
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
-FLAT = 10.0      # degrees: on a slope as flat, the tip of the water is one particle deep over many spacings
-RESTLESS = ", and waves that reach it may gain energy; to take them up, use a Sponge in place of the slope"
+FLAT = 10.0      # degrees: on a flatter slope, the tip of the water is one particle deep over many spacings
+RESTLESS = ", and waves that reach it may gain energy; to absorb them, use a Sponge instead of the slope"
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
-ROUNDING = 1e-6  # of a length: what is said to do, does
+ROUNDING = 1e-6  # of a length: values that a message proposes are accepted
 
 
 def faults(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float,
            holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
-    """Return what makes a scene impossible to compute, one sentence each with a remedy. The same on all ranks.
+    """Return the faults of a scene that cannot be computed, each with a remedy. The same on all ranks.
 
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     holes : of each body of fluid; titles : their names in messages
@@ -42,14 +42,14 @@ def faults(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacin
         chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
         names = [body.name for body in mesh.bodies]
         clear = [*_turned_in(walls, names), *_thin(walls, names, spacing), *_parted(walls, names, spacing)]
-        if clear:    # and all else that is said of these walls would mislead
+        if clear:    # further messages about these walls would mislead
             return clear
         found += [*_hidden(chains, walls, names), *_open_ends(chains, mesh, walls, fluids, spacing)]
     return [*found, *_filled(walls, fluids, spacing, holes, titles)]
 
 
 def warnings(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
-    """Return what will be computed less well than the rest, one sentence each; arguments as of `faults`."""
+    """Return what will be computed with larger errors, one sentence each; arguments as of `faults`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]
     return [*_wedges(chains, names), *_beaches(mesh, names, fluids),
@@ -57,7 +57,7 @@ def warnings(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spac
 
 
 def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Chain]]:
-    """Return a mesh with the elements of bodies that do not move only, and the chains of these."""
+    """Return the mesh with only the elements of bodies at rest, and the chains of these bodies."""
     rests = np.array([body.motion == 0 for body in mesh.bodies])
     keep = rests[mesh.element_body]
     return (replace(mesh, elements=mesh.elements[keep], element_body=mesh.element_body[keep]),
@@ -65,10 +65,10 @@ def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Cha
 
 
 def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain], walls: Sequence[Wall] = ()) -> tuple[float, Floats, int, int]:
-    """Return the least distance [m] across fluid between walls that do not meet there, its place, and the two bodies.
+    """Return the least distance [m] across fluid between walls that do not join there, its place, and the two bodies.
 
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
-    another. walls : of these, bodies beside what is Filled are left out: with any spacing they come as near as that.
+    another. walls : bodies beside a Filled among them are left out, as their distance falls with the spacing
     """
     if chains and len(mesh.elements):
         pieces, owner = (np.concatenate(parts) for parts in zip(*((chain.elements, chain.body) for chain in chains)))
@@ -84,7 +84,7 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain], walls: Sequence[Wall] 
 
 
 def _meet(pieces: Floats, piece: int, m: Floats) -> bool:
-    """Return whether a piece joins the one on which the place m lies: then they make a wedge, not a gap."""
+    """Return whether a piece shares an end with the one through the place m: they form a wedge, not a gap."""
     a, b = pieces[:, 0], pieces[:, 1]
     own = np.argmin(np.linalg.norm(m - on_segments(m, a, b), axis=1))
     close = 1e-6 * np.linalg.norm(b[own] - a[own])
@@ -113,7 +113,7 @@ def _thickness(outline: Solid) -> float:
 
 
 def _parted(walls: Sequence[Wall], names: Sequence[str], spacing: float) -> Iterator[str]:
-    """Profiles that end at one place or in one line, but lie behind each other, as each goes on beyond its ends."""
+    """Profiles with a shared end or in one line, each behind the continuation of the other."""
     profiles = [(wall, name, solid_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
     for number, (wall, name, one) in enumerate(profiles):
         for beside, also, other in profiles[number + 1 :]:
@@ -132,7 +132,7 @@ def _parted(walls: Sequence[Wall], names: Sequence[str], spacing: float) -> Iter
 
 
 def _in_line(way: Floats, other: Floats, spacing: float) -> bool:
-    """Return whether a direction (2,) [m] leads the same way as another."""
+    """Return whether two directions (2,) [m] are the same."""
     across = abs(way[0] * other[1] - way[1] * other[0])
     return bool(across < 1e-6 * spacing * np.linalg.norm(way) and way @ other > 0.0)
 
@@ -145,7 +145,7 @@ def _hidden(chains: Sequence[Chain], walls: Sequence[Wall], names: Sequence[str]
 
 
 def _turned_in(walls: Sequence[Wall], names: Sequence[str]) -> Iterator[str]:
-    """Profiles that would meet themselves however they go on beyond their ends."""
+    """Profiles whose continuation beyond their ends always crosses them."""
     for wall, name in zip(walls, names):
         if isinstance(wall, Profile) and way_beyond(solid_of(wall).points) is None:
             yield (f"walls, {name}: its ends lead back to it, so that neither side is outside; lead both ends up above "
@@ -161,8 +161,7 @@ def _wedges(chains: Sequence[Chain], names: Sequence[str]) -> Iterator[str]:
 
 
 def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, Floats, int]]:
-    """Return where walls with fluid above them cross levels [m]: the angle of the fluid below the level, between it and
-    the wall [degrees], the place (2,) [m], and the body."""
+    """Return where walls below fluid cross levels [m]: angle between both [degrees], place (2,) [m], and body."""
     corners, found = mesh.corners(), []
     normal = area_vectors(corners)
     for level in levels:
@@ -193,13 +192,13 @@ def _narrow(mesh: WallMesh, chains: Sequence[Chain], walls: Sequence[Wall], name
 
 
 def _short(chains: Sequence[Chain], walls: Sequence[Wall], names: Sequence[str], spacing: float) -> Iterator[str]:
-    """Edges between corners that are shorter than the elements beside them; the shortest of each body."""
+    """Edges between corners that are shorter than SHORT; the shortest of each body."""
     least: dict[int, tuple[float, Floats]] = {}
     for chain in chains:
         for start, way in stretches(chain):
             body, pieces = int(chain.body[start % len(chain.body)]), len(chain.body)
             beside = [chain.body[k % pieces] for k in (start - 1, start, start + len(way) - 1)]
-            if any(isinstance(walls[k], Filled) for k in beside):    # a filled tip cuts it off
+            if any(isinstance(walls[k], Filled) for k in beside):    # cut by a filled tip
                 continue
             length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
             if length < least.get(body, (SHORT * spacing, None))[0]:
@@ -213,7 +212,7 @@ def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], f
                spacing: float) -> Iterator[str]:
     """Open ends of walls below the top of the fluid, through which it would leave.
 
-    What moves may have gaps beside it; what is behind it has no fluid.
+    Moving bodies may have gaps beside them, as there is no fluid behind them.
     """
     tops = [fluid.level if isinstance(fluid, StillWater) else fluid.bounds[1][1] for fluid in fluids]
     top = max(tops, default=-np.inf)
@@ -228,15 +227,15 @@ def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], f
             beside = near and in_fluid(movers, end[None])[0]
             if end[1] < top - 1e-6 * spacing and beside:
                 yield (f"{mesh.bodies[body].name}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
-                       "top; lead it on above the water, or let it end on another body")
+                       "top; extend it above the water, or end it on another body")
 
 
 def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
             holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> Iterator[str]:
-    """Bodies of fluid without particles, or too near to one another to be apart. They give way to those before them."""
+    """Bodies of fluid without particles, or separated by less than a spacing."""
     for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         if isinstance(fluid, StillWater) and not walls:
-            yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
+            yield f"{title}: still water at level {fluid.level:g}: there are no walls around it; give walls, or a Box"
             continue
         if isinstance(fluid, StillWater) and any(isinstance(other, StillWater) for other in fluids[:number]):
             yield f"{title}: there is still water before it; give one, with the higher level"
@@ -257,7 +256,7 @@ def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing
 
 def _slits(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float, titles: Sequence[str],
            number: int) -> Iterator[str]:
-    """Bodies of fluid that are less than a spacing apart: their particles would be nearer than that."""
+    """Bodies of fluid less than a spacing apart: their particles would be too close."""
     fluid = fluids[number]
     if isinstance(fluid, StillWater):
         return
@@ -276,12 +275,12 @@ def _slits(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
 
 
 def _boxes_apart(one: Shape, other: Shape, spacing: float) -> bool:
-    """Return whether the boxes around two shapes are a spacing apart."""
+    """Return whether the bounding boxes of two shapes are at least a spacing apart."""
     (low, high), (lower, upper) = one.bounds, other.bounds
     return bool(np.any((low > upper + spacing) | (lower > high + spacing)))
 
 
 def _wall_at(walls: Sequence[Wall], at: Floats, gap: float) -> bool:
-    """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
+    """Return whether a wall lies in the slit of width `gap` [m] at a place (2,) [m]."""
     return not in_fluid(walls, at[None])[0] or any(
         nearest(at[None], solid_of(wall).elements)[0][0] < gap for wall in walls if isinstance(wall, Plate))

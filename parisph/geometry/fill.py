@@ -1,7 +1,7 @@
-"""The fluid at the start of a scene: lattice points in a shape, half a spacing in front of all walls (2D).
+"""The fluid at the start of a scene: lattice points in a shape, at least half a spacing from all walls (2D).
 
-The points are counted by runs along upright lines of the lattice, whose ends follow from the shapes and the elements.
-So each rank makes its own points only, and their numbers do not depend on the number of ranks.
+Points are counted by runs along vertical lattice lines. The ends of the runs follow from the shapes and the elements.
+So each rank makes only its own points, and their numbers do not depend on the number of ranks.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,24 +17,24 @@ from parisph.geometry.distance import area_vectors, nearest
 from parisph.geometry.mesh import WallMesh, wall_mesh
 from parisph.geometry.solid import Wall, corners_of, in_fluid
 
-CUT = 0.5        # spacings: fluid is no nearer to a wall
-# The same on the surface where nothing is below: nearer to a slope of 15 degrees, its last particle slides off, by a
-# motion that grows out of rounding by 1 % in a step. Above slopes of more than 45 degrees, fluid stands on both sides.
+CUT = 0.5        # spacings: least distance of fluid from a wall
+# The same for a single point at the surface on a slope: nearer to a slope of 15 degrees, the last particle slides
+# off, by a motion that grows out of rounding by 1 % in a step. Slopes of over 45 degrees have fluid on both sides.
 TIP = 0.7
-LEVEL = 1e-3     # slope of a wall that is level: a thin layer on it stays
-EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
+LEVEL = 1e-3     # flatter walls count as level: a thin layer on them stays
+EDGE = 0.01      # spacings: a point this close to the edge of a shape is inside
 THIN = 0.75      # spacings: a thinner box has no lattice of its own
-ROUNDING = 1e-6  # spacings: a point this much nearer to a wall than the cut still counts
+ROUNDING = 1e-6  # spacings: tolerance of distances from walls
 FAR = 1e300      # [m], beyond all lines
 
 Taken = tuple[Shape, Sequence[Shape]]    # a shape of other fluid and its holes
 
 
 def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]], number: int) -> list[Taken]:
-    """Return the other fluid to which a body of fluid gives way: what was given before it, but for the holes in that.
+    """Return the other fluid to which a body of fluid gives way: the shapes before it, with their holes.
 
-    Still water gives way to all other fluid and leaves its holes empty. So bodies that touch or overlap are one, and
-    no place has two particles.
+    Still water gives way to all other fluid and leaves its holes empty. So touching bodies join, and no place has two
+    particles.
     """
     if isinstance(shapes[number], StillWater):
         return [(shape, ()) for shape in shapes if not isinstance(shape, StillWater)]
@@ -42,17 +42,17 @@ def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]]
 
 
 class Filling:
-    """The points origin + step * index that one body of fluid fills.
+    """The lattice points origin + step * index that one body of fluid fills.
 
-    walls : all bodies of the scene, where they are at the start, in front of which the fluid is
+    walls : all bodies of the scene, at the start
     spacing : [m]; holes : shapes without fluid inside this one
-    others : other fluid, from which this keeps half a spacing: shapes, and the holes of each; see `taken`
-    rise : None, or a function of x (n,) [m] that gives the elevation (n,) [m] of the surface of still water. Its
-        columns are moved up with it, not stretched: so the fluid is as dense everywhere.
+    others : other fluid, at least half a spacing away: shapes, and the holes of each; see `taken`
+    rise : None, or a function of x (n,) [m] that gives the elevation (n,) [m] of the surface of still water. Columns
+        are moved by it, not stretched, so the density of points is uniform.
 
-    origin, step : (2,) [m]; still water hangs from its level, other shapes begin where those of case.lattice do
+    origin, step : (2,) [m]; that of still water starts at its level, that of other shapes as in case.lattice
     count : number of points
-    even : whether they lie on the lattice of the tank, which is the only wall, or there is no wall
+    even : whether they lie on the lattice of the tank as the only wall, or there is no wall
     """
 
     def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], spacing: float, holes: Sequence[Shape] = (),
@@ -84,14 +84,14 @@ class Filling:
         """Return origin, step, and the least and the greatest index (2,) that may be filled."""
         s = self.spacing
         if isinstance(self.shape, StillWater):
-            assert mesh is not None    # it is between walls
+            assert mesh is not None
             lower, upper = mesh.x0.min(axis=0), mesh.x0.max(axis=0)
             origin = np.array([lower[0] if tank is None else tank.bounds[0][0], self.shape.level])
             step = self._hanging_step(tank, self.shape.level - lower[1])
             first = np.ceil((lower - origin) / step).astype(np.int64)
             return origin, step, first, np.array([np.floor((upper[0] - origin[0]) / step[0]), 0], dtype=np.int64)
         if isinstance(self.shape, Box) and tank is not None and not _on_lattice(self.shape, tank, s):
-            tank = None    # its own lattice: points on its edges, and so a surface where the user has it
+            tank = None    # its own lattice, with points on its edges: the surface is where the user puts it
         self.even |= tank is not None and bodies == 1
         lattice = Lattice(self.shape, tank, s)
         return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
@@ -99,7 +99,7 @@ class Filling:
     def _hanging_step(self, tank: Tank | None, depth: float) -> Floats:
         """Return the step (2,) [m] that divides the greatest depth [m] of still water, with cells of spacing^2.
 
-        Rows that end otherwise at a level bed would hold up to half a cell too much or too little in each column.
+    Otherwise the columns above a level bed could be up to half a cell too high or too low.
         """
         s = self.spacing
         rows = max(round(depth / s), 1)
@@ -110,7 +110,7 @@ class Filling:
         return np.array([across if tank is None else tank.width / max(round(tank.width / across), 1), up])
 
     def _in_tip(self, middle: Ints, begin: Ints, end: Ints, mesh: WallMesh) -> Flags:
-        """Return which runs are a single point of the surface where it meets a slope, too near to that, (n,) bool."""
+        """Return which runs are a single point of the surface too near to a slope, (n,) bool."""
         found: Flags = (begin == end) & (end == 0)
         corners = mesh.corners()
         apart, element, _ = nearest(self.position(middle[found]), corners, self.spacing)
@@ -129,7 +129,7 @@ class Filling:
         return first.astype(np.int64), last.astype(np.int64)
 
     def _free(self, lines: Floats, mesh: WallMesh | None, first: int, last: int, lift: Floats) -> Intervals:
-        """Return the intervals of the lines that are in the shape and far enough from walls and holes."""
+        """Return the intervals of the lines inside the shape and away from walls, holes and other fluid."""
         bottom = self.origin[1] + (first - 0.5) * self.step[1] + lift.min(initial=0.0)
         top = self.origin[1] + (last + 0.5) * self.step[1] + lift.max(initial=0.0)
         taken = []
@@ -138,13 +138,13 @@ class Filling:
             taken.append(near_pieces(corners[:, 0], corners[:, 1], (CUT - ROUNDING) * self.spacing, lines))
         taken += [self._covered(hole, lines, -EDGE) for hole in self.holes]
         taken += [self._taken(other, own, lines) for other, own in self.others]
-        if not isinstance(self.shape, (StillWater, Box)):    # a box is all between the least and the greatest index
+        if not isinstance(self.shape, (StillWater, Box)):    # first and last index bound a Box
             taken.append(gaps(self._covered(self.shape, lines, EDGE), len(lines), bottom, top))
         none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
         return gaps(union(none, *taken), len(lines), bottom, top)
 
     def _taken(self, shape: Shape, holes: Sequence[Shape], lines: Floats) -> Intervals:
-        """Return the intervals of the lines that other fluid has, and half a spacing around it."""
+        """Return the intervals of the lines inside other fluid, or within half a spacing of it."""
         found = self._covered(shape, lines, CUT - ROUNDING)
         if not holes:
             return found
@@ -173,15 +173,15 @@ class Filling:
         return x
 
     def indices(self, start: int = 0, stop: int | None = None) -> Ints:
-        """Return the lattice indices (n, 2) of the points number start to stop. Only these are held in memory."""
+        """Return the lattice indices (n, 2) of points start to stop."""
         number = np.arange(start, self.count if stop is None else min(stop, self.count))
         run = np.searchsorted(self._before, number, side="right") - 1
         return np.stack([self._line[run] + self._ends[0][0], self._begin[run] + number - self._before[run]], axis=1)
 
     def cells(self, index: Ints) -> Floats:
-        """Return the area (n,) [m2] of a Box that is nearest to each of its points (n, 2), where these are all of it.
+        """Return the area (n,) [m2] of a Box nearest to each of its points (n, 2), without other shapes.
 
-        A point beside a wall has 3/2 cells, one on the surface 1/2.
+    A point beside a wall has 3/2 cells, one on the surface 1/2.
         """
         assert isinstance(self.shape, Box)
         (first, last), (lower, upper) = self._ends, self.shape.bounds
@@ -190,9 +190,9 @@ class Filling:
         return np.asarray(sides.prod(axis=1))
 
     def is_surface(self, index: Ints, others: "Sequence[Filling]" = ()) -> Flags:
-        """Return which of the filled indices (n, 2) have a neighbour along an axis that is not in the shape, (n,) bool.
+        """Return which of the filled indices (n, 2) have a neighbour along an axis outside the fluid, (n,) bool.
 
-        Walls that the shape reaches have no free surface before them. others : further fluid, which may be there
+    There is no free surface at a wall that the shape reaches. others : further fluid
         """
         free, fills = np.zeros(len(index), dtype=bool), {self, *others}
         for axis in range(2):
@@ -204,7 +204,7 @@ class Filling:
         return free
 
     def holds(self, x: Floats) -> Flags:
-        """Return which points x (n, 2) [m] lie in the shape or on its edge, walls or not, (n,) bool."""
+        """Return which points x (n, 2) [m] lie in the shape or on its edge, whatever the walls, (n,) bool."""
         edge = EDGE * self.spacing
         if isinstance(self.shape, StillWater):
             return x[:, 1] <= self.shape.level + self._lift(x[:, 0]) + edge
@@ -226,7 +226,7 @@ class Filling:
 
 
 def _on_lattice(box: Box, tank: Tank, spacing: float) -> bool:
-    """Return whether the edges of a box lie on the lattice of its tank, or it is too thin for one of its own."""
+    """Return whether the edges of a box lie on the lattice of its tank, or it is too thin for its own lattice."""
     if np.any(box.size < THIN * spacing):
         return True
     step = Lattice(box, tank, spacing).step

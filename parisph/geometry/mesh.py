@@ -1,8 +1,8 @@
-"""The boundary mesh of a scene: wall nodes, and the elements between them, of about a spacing.
+"""The boundary mesh of a scene: wall nodes, and the elements between them, about a spacing long.
 
-Nodes are particles and carry rows of the pressure equation; elements say where the walls are. A tank alone keeps the
-nodes of its lattice, in their order (any dimension). Other outlines are divided piece by piece into round(length / s)
-elements (2D).
+Nodes are particles and have rows of the pressure equation; elements define the walls. A lone tank keeps the nodes of
+its lattice, in their order (any dimension). Other outlines are divided piece by piece into round(length / s) elements
+(2D).
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,9 +21,9 @@ from parisph.geometry.distance import area_vectors
 from parisph.geometry.polygons import CLOSE, Chain, joined
 from parisph.geometry.solid import Wall, solid_of
 
-SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
-# By which a smooth line turns in an element at most, so that a disc has eight: with three to six, still water beside
-# discs of .7 to .9 spacings moves
+SMOOTH = 0.1    # rad: a point where an outline turns by less is no corner
+# rad: most turn of a smooth line in one element, so a disc has at least eight elements. With three to six, still water
+# beside discs of .7 to .9 spacings moves.
 BEND = np.pi / 4.0
 FLAT, CONCAVE, CONVEX = 0, 1, 2    # values of `edge`
 
@@ -68,7 +68,7 @@ class WallMesh:
 
     @property
     def ends(self) -> Flags:
-        """Which nodes (N,) are at the end of a line of elements: in one element only."""
+        """Which nodes (N,) belong to one element only: the ends of open lines."""
         found: Flags = np.bincount(self.elements.ravel(), minlength=len(self.x0)) == 1
         return found
 
@@ -87,11 +87,11 @@ def no_mesh(dim: int) -> WallMesh:
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     """Return the mesh of the walls of a scene (2D), each in its own frame, as at t = 0.
 
-    walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies that move alike are joined where they touch.
+    walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies with the same motion are joined where they touch.
 
-    Raises CaseError where two bodies leave nothing of one another that touches fluid.
+    Raises CaseError where no body touches fluid.
 
-    The mesh of the same walls is made once: nobody may change its arrays.
+    Cached: callers must not change the arrays.
     """
     return _wall_mesh(tuple(walls), spacing)
 
@@ -114,7 +114,7 @@ def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
 
 @lru_cache(maxsize=4)
 def chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
-    """Return the chains of all walls: those that move alike joined, in the order of their motions."""
+    """Return the chains of all walls, those with the same motion joined, in the order of the motions. Cached."""
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)
@@ -124,7 +124,7 @@ def chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
 
 
 def motions_of(walls: Sequence[Wall]) -> tuple[Motion, ...]:
-    """Return the motions of walls, number 0, 1, ... of which number 0 is rest."""
+    """Return the different motions of walls; number 0 is rest."""
     return AtRest(), *dict.fromkeys(wall.motion for wall in walls if not isinstance(wall.motion, AtRest))
 
 
@@ -182,11 +182,11 @@ def _cells(index: Ints, axis: int, top: Ints) -> Ints:
 
 
 def _simplices(corners: Ints, axis: int, sign: int) -> Ints:
-    """Divide cells into elements with the fluid on the side to which sign * axis points."""
-    if corners.shape[1] == 2:    # along x the fluid above is on the left, along y that at greater x is on the right
+    """Divide cells into elements with the fluid in the direction sign * axis."""
+    if corners.shape[1] == 2:    # fluid above is on the left along x; fluid at greater x is on the right along y
         return corners if (axis == 1) == (sign == 1) else corners[:, ::-1]
     a, b, c, d = corners.T       # (0, 0), (0, 1), (1, 0), (1, 1) of the two other axes
-    turn = (axis == 1) == (sign == 1)    # whether from one other axis to the next is clockwise, seen from the fluid
+    turn = (axis == 1) == (sign == 1)    # whether the order of the other axes is clockwise, seen from the fluid
     triangles = [(a, c, d), (a, d, b)] if not turn else [(a, d, c), (a, b, d)]
     return np.concatenate([np.stack(triangle, axis=1) for triangle in triangles])
 
@@ -194,8 +194,8 @@ def _simplices(corners: Ints, axis: int, sign: int) -> Ints:
 def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
     """Return the mesh of one chain: each stretch between corners divided into round(length / s) equal elements (2D).
 
-    A stretch between two convex corners has at least two, so that a node with a row lies on it: without one, particles
-    beside a small body take the place of the body for air.
+    A stretch between two convex corners has at least two, so that one node has a row. Otherwise particles beside a
+    small body would treat its place as air.
     """
     x, body, corner = _nodes(chain, spacing)
     n = len(x)
@@ -209,7 +209,7 @@ def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
         np.add.at(total, end, vectors / length[:, None])
     angle = np.where(corner >= 0, chain.angle[corner], np.pi)
     edge = np.where(angle < np.pi - SMOOTH, CONCAVE, np.where(angle > np.pi + SMOOTH, CONVEX, FLAT))
-    tip = angle > 2.0 * np.pi - SMOOTH    # the sides' normals add up to nothing: ahead of the tip is fluid, too
+    tip = angle > 2.0 * np.pi - SMOOTH    # the normals of both sides cancel; the tip points ahead
     ahead = x - np.roll(x, 1, axis=0)
     total = np.where(tip[:, None], ahead, total)
     return WallMesh(
@@ -238,7 +238,7 @@ def _nodes(chain: Chain, spacing: float) -> tuple[Floats, Ints, Ints]:
 
 
 def stretches(chain: Chain) -> Iterator[tuple[int, Floats]]:
-    """Yield the stretches of a chain between its corners: the number of the first point, and all points (n, 2) [m]."""
+    """Yield the stretches of a chain between its corners: number of the first point, points (n, 2) [m]."""
     breaks = _breaks(chain)
     stops = [*breaks[1:], breaks[0] + len(chain.body)] if chain.closed else breaks[1:]
     for start, stop in zip(breaks, stops):
@@ -246,7 +246,7 @@ def stretches(chain: Chain) -> Iterator[tuple[int, Floats]]:
 
 
 def _breaks(chain: Chain) -> list[int]:
-    """Return the numbers of the points at which a new stretch begins: corners, ends, and where another body begins."""
+    """Return the numbers of the points where a new stretch begins: corners, ends, and changes of the body."""
     sharp = np.abs(chain.angle - np.pi) >= SMOOTH
     if chain.closed:
         sharp |= chain.body != np.roll(chain.body, 1)
@@ -258,7 +258,7 @@ def _breaks(chain: Chain) -> list[int]:
 
 
 def _divided(way: Floats, spacing: float, least: int) -> Floats:
-    """Divide a line through points (n, 2) into round(length / s) pieces of equal length along it."""
+    """Divide a line through points (n, 2) into round(length / s) pieces of equal length, at least `least`."""
     reach = reaches(way)
     pieces = max(round(reach[-1] / spacing), least)
     if len(way) == 2:
@@ -269,12 +269,12 @@ def _divided(way: Floats, spacing: float, least: int) -> Floats:
 
 
 def reaches(way: Floats) -> Floats:
-    """Return how far it is along a line through points (n, dim) [m] to each of them, (n,) [m]."""
+    """Return the length (n,) [m] along a line through points (n, dim) [m] up to each of them."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
 
 
 def places_along(way: Floats, reach: Floats, along: Floats) -> Floats:
-    """Return the places (m, dim) [m] at distances (m,) [m] along such a line, of whose points `reach` are these."""
+    """Return the places (m, dim) [m] at lengths `along` (m,) [m] on a line whose points are at lengths `reach` [m]."""
     return np.stack([np.interp(along, reach, column) for column in way.T], axis=1)
 
 

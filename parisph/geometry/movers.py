@@ -1,4 +1,4 @@
-"""What a step asks of that which moves a body."""
+"""The interface between a step and the motion of a body."""
 
 from typing import NamedTuple, Protocol
 
@@ -10,9 +10,9 @@ class MovedNodes(NamedTuple):
     """Nodes of a body in a step, (n, dim) each.
 
     x [m], normal, vector_area [m^(dim-1)] : at a time in the step
-    u [m/s], turn [1/s] : velocity, and the rate at which the normal turns, at its start
-    mean [m/s], a [m/s2] : velocity between the places at its start and end, and what changes u to that at its end; u
-        and the acceleration at that instant if the step has no length
+    u [m/s], turn [1/s] : velocity, and rotation rate of the normal, at the start of the step
+    mean [m/s] : mean velocity over the step; a [m/s2] : acceleration that turns u into the velocity at its end. In a
+        step of length 0, u and the acceleration at that time
     """
 
     x: Floats
@@ -25,16 +25,16 @@ class MovedNodes(NamedTuple):
 
 
 class Mover(Protocol):
-    """How a body moves: by a law of time (methods.rigid_bodies.Prescribed), or by an object of one's own.
+    """How a body moves: by a law of time (methods.rigid_bodies.Prescribed), or by a user's object.
 
-    Every rank asks its own copy, and all must give the same. Nothing here is collective.
+    Each rank asks its own copy, and all copies must agree. Nothing here is collective.
     """
 
     def moved(self, mesh: WallMesh, own: Ints, at: float, start: float, stop: float) -> MovedNodes:
-        """Return the nodes `own` (n,) of the mesh at a time [s], in a step from start to stop [s]."""
+        """Return the nodes `own` (n,) of the mesh at time `at` [s], in a step from start to stop [s]."""
 
     def longest_step(self, x0: Floats, time: float, room: float) -> float:
         """Return the longest step [s] after a time [s] in which no node x0 (n, dim) moves by more than `room` [m].
 
-        x0 : places [m] as in the mesh, in the frame of the body
+        x0 : positions [m] in the mesh, at t = 0
         """

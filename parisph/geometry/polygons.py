@@ -1,9 +1,8 @@
-"""The walls of bodies that touch or overlap (2D): what of their outlines the fluid sees, joined into chains.
+"""The walls of bodies that touch or overlap (2D): the parts of their outlines that touch fluid, joined into chains.
 
-Outlines are cut where they meet. Pieces inside another body go, and so do those where two bodies lie face to face.
-What is left is joined so that the fluid is between a piece and the next one: a plate that stands on a bed has a node
-on each side of its foot. Each piece keeps the number of its body, and open outlines are as good as closed ones: this
-is why no library for polygons is used.
+Outlines are cut where they meet. Pieces inside another body are removed, and pieces where two bodies lie face to face.
+The rest is joined so that the fluid is between a piece and the next one: a plate on a bed has a node on each side of
+its foot. No library for polygons keeps the body of each piece and accepts open outlines.
 """
 
 from collections.abc import Sequence
@@ -15,16 +14,16 @@ from parisph.base.arrays import Flags, Floats, Ints
 from parisph.geometry.columns import cross, meet, overlapping
 from parisph.geometry.solid import Solid
 
-CLOSE = 1e-6    # spacings: points nearer than this are one
+CLOSE = 1e-6    # spacings: points nearer than this are merged
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Straight pieces in a row, with the fluid on their left.
+    """Consecutive straight pieces, with the fluid on their left.
 
     points : (n, 2) [m]; closed : whether the last is joined to the first
     body : (n,) or, if open, (n - 1,) int, the number of the body of each piece
-    angle : (n,) [rad], of the fluid at each point: pi where the wall is straight, and at the ends of an open chain
+    angle : (n,) [rad], of the fluid at each point: pi on a straight wall and at the ends of an open chain
     """
 
     points: Floats
@@ -42,7 +41,7 @@ class Chain:
 def joined(outlines: Sequence[Solid], spacing: float) -> list[Chain]:
     """Return the chains that the fluid between all outlines touches.
 
-    outlines : of bodies number 0, 1, ... that do not move against each other; spacing : [m]
+    outlines : of bodies 0, 1, ... with the same motion; spacing : [m]
     """
     points, pieces, body = _cut(outlines, CLOSE * spacing)
     keep = _seen(outlines, points, pieces, body)
@@ -72,7 +71,7 @@ def _cut(outlines: Sequence[Solid], close: float) -> tuple[Floats, Ints, Ints]:
 
 
 def _meetings(a: Floats, b: Floats, body: Ints, close: float) -> tuple[Ints, Floats]:
-    """Return which pieces others touch or cross, and where, as parts of their length between 0 and 1, (n,) each."""
+    """Return the pieces that others touch or cross, and where, as fractions of their length, (n,) each."""
     pairs = np.concatenate([np.stack(pair) for pair in overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close)],
                            axis=1)
     pairs = np.concatenate([pairs, pairs[::-1]], axis=1)
@@ -88,20 +87,20 @@ def _meetings(a: Floats, b: Floats, body: Ints, close: float) -> tuple[Ints, Flo
         found.append(np.where(np.abs(cross(d, apart)) <= close * length, np.sum(d * apart, axis=1) / length**2, np.nan))
     t = np.concatenate([*found, np.where(slanted & (u >= 0.0) & (u <= 1.0), t, np.nan)])
     owner, length = np.tile(i, 3), np.tile(length, 3)
-    inner = np.argsort(owner, kind="stable")    # of a piece, touching ends first: they are what close places become
+    inner = np.argsort(owner, kind="stable")    # per piece, touching ends first: `_merged` keeps the first place
     inner = inner[((t * length > close) & ((1.0 - t) * length > close))[inner]]
     return owner[inner], t[inner]
 
 
 def _merged(places: Floats, close: float) -> tuple[Ints, Floats]:
-    """Return the number of each place's (n, 2) point, and the points: close places are one, the first of them."""
+    """Merge close places (n, 2) into the first of them; return the point number of each place, and the points."""
     groups = np.stack([_groups(places[:, axis], close) for axis in range(2)], axis=1)
     _, first, number = np.unique(groups, axis=0, return_index=True, return_inverse=True)
     return number.reshape(-1), places[first]
 
 
 def _groups(values: Floats, close: float) -> Ints:
-    """Return group numbers (n,) of values, such that neighbours in one group differ by at most `close`."""
+    """Return group numbers (n,) of values; neighbouring values in a group differ by at most `close`."""
     order = np.argsort(values, kind="stable")
     group = np.empty(len(values), dtype=np.int64)
     group[order] = np.concatenate([[0], np.cumsum(np.diff(values[order]) > close)])
@@ -127,10 +126,9 @@ def _seen(outlines: Sequence[Solid], points: Floats, pieces: Ints, body: Ints) -
 
 
 def _kept(forward: Flags, thin: Flags) -> Flags:
-    """Return which of the pieces in one place stay: one in each direction in which there is fluid.
+    """Return which of the pieces in one place stay: one for each direction with fluid on its left.
 
-    forward : (n,) bool, their directions; thin : (n,) bool, whether they are of a plate. Two solids leave no fluid
-    between them.
+    forward : (n,) bool, their directions; thin : (n,) bool, whether of a plate. Between solids is no fluid.
     """
     solid = [(forward & ~thin).any(), (~forward & ~thin).any()]
     keep = np.zeros(len(forward), dtype=bool)
@@ -142,7 +140,7 @@ def _kept(forward: Flags, thin: Flags) -> Flags:
 
 
 def _chains(points: Floats, pieces: Ints, body: Ints) -> list[Chain]:
-    """Join pieces to chains, those with an open start first; at a joint the fluid is between a piece and the next."""
+    """Join pieces to chains, those with an open start first."""
     after, angle = _next_pieces(points, pieces)
     has_before = np.zeros(len(pieces), dtype=bool)
     has_before[after[after >= 0]] = True

@@ -1,4 +1,4 @@
-"""The room between walls of any shape, as the checks of the places of probes ask for it (2D)."""
+"""Checks of the places of probes between walls of any shape (2D)."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -16,14 +16,14 @@ from parisph.geometry.solid import Wall, in_fluid
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid.
 SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
-SQUARE = 0.9    # cosine of the angle between an element's normal and that of the side it belongs to
-HEIGHTS = 400   # places along an upright line at which fluid is looked for
+SQUARE = 0.9    # least cosine between the normals of an element and of the side it belongs to
+HEIGHTS = 400   # places on a vertical line that are checked for fluid
 
 
 class Places:
-    """Walls, and where fluid may be between them.
+    """Walls, and the space for fluid between them.
 
-    walls : of the case; mesh : of them, None without any; spacing [m]
+    walls : of the case; mesh : of the walls, None without walls; spacing [m]
     """
 
     def __init__(self, case: Scene, walls: tuple[Wall, ...]) -> None:
@@ -31,12 +31,12 @@ class Places:
         self.mesh = wall_mesh(walls, self.spacing) if walls else None
 
     def in_front(self, x: Floats, resting: bool = False) -> bool:
-        """Return whether any of the points x (n, 2) [m] is where fluid may be; resting : between walls at rest alone"""
+        """Return whether fluid may be at any of the points x (n, 2) [m]; resting : consider only walls at rest"""
         return bool(in_fluid([wall for wall in self.walls if not resting or isinstance(wall.motion, AtRest)], x).any())
 
     def has_room(self, x: float) -> bool:
         """Return whether there is room for fluid above x [m]."""
-        beside = 0.01 * self.spacing    # it may be at a wall
+        beside = 0.01 * self.spacing    # x may be on a wall
         return any(self.in_front(np.stack([np.full(HEIGHTS, at), self._heights], axis=1))
                    for at in (x - beside, x + beside))
 
@@ -50,7 +50,7 @@ class Places:
 def on_side(mesh: WallMesh, number: int, side: str | None) -> Ints:
     """Return the elements (n, 2) of a body, or of one side of it.
 
-    number : of the body; side : one of SIDES, None for all of it
+    number : of the body; side : a key of SIDES, None for the whole body
     """
     own: Ints = mesh.elements[mesh.element_body == number]
     if side is None:
@@ -62,7 +62,7 @@ def on_side(mesh: WallMesh, number: int, side: str | None) -> Ints:
 
 
 def faults(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
-    """Yield the probes of a scene that are not on a wall, or where no fluid comes."""
+    """Yield one line for each misplaced probe of a scene, such as one off the wall or without fluid."""
     places = Places(case, walls)
     for name, probe in singles(case.probes):
         yield from (f"probe {name!r}: {line}" for line in probe.misplaced(places))

@@ -1,8 +1,8 @@
-"""Places all over the fluid of a scene at the start, each with the area around it (2D).
+"""Sample places of the fluid of a scene at the start, each with the area around it (2D).
 
-A particle stands for the volume of the places to which it is nearest (kernels.packing.volumes). The wetted region is
-cut into narrow upright strips, so that every corner lies between two strips, and each strip into short pieces. The
-sum is the area of the region to round-off where it is bounded by straight lines, whatever the size of the pieces.
+The volume of a particle is that of the places to which it is nearest (kernels.packing.volumes). The wetted region is
+cut into narrow vertical strips with every corner between two strips, and each strip into short pieces. If straight
+lines bound the region, the sum equals its area to round-off, whatever the size of the pieces.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,15 +15,15 @@ from parisph.geometry.columns import between, crossings, meet, overlapping
 from parisph.geometry.fill import Filling
 from parisph.geometry.solid import corners_of, solid_of
 
-FINE = 8          # pieces of a spacing
-CHUNK = 2**18     # pieces that are looked at in one go
+FINE = 8          # pieces per spacing
+CHUNK = 2**18     # pieces treated at once
 
 
 def fluid_area(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[float] | Floats,
                stretch: Callable[[Floats], Floats] | None = None) -> float:
     """Return the area [m2] of a body of fluid; see `samples`.
 
-    stretch : None, or a function of places (n, 2) that gives the factor (n,) by which columns are stretched there
+    stretch : None, or a function of places (n, 2) [m] that gives the factor (n,) by which columns are stretched
     """
     at, width, low, high = _pieces(fill, np.array(lower), np.array(upper))
     factor = 1.0 if stretch is None else stretch(np.stack([at, 0.5 * (low + high)], axis=1))
@@ -32,13 +32,12 @@ def fluid_area(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[f
 
 def samples(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[float] | Floats,
             ends: tuple[float, float] = (-np.inf, np.inf)) -> Iterator[tuple[Floats, Floats]]:
-    """Yield places (m, 2) [m] all over a body of fluid, and the area (m,) [m2] around each of them. Not collective.
+    """Yield sample places (m, 2) [m] of a body of fluid, with the area (m,) [m2] of each. Not collective.
 
     An elevation of still water is left out: see geometry.raised.
-
-    lower, upper : (2,) [m], the box that holds the scene
-    ends : the places are between these x [m], but do not depend on them: a rank that looks at all places near its own
-        particles finds for these what one rank would find
+    lower, upper : (2,) [m], the box that contains the scene
+    ends : range of x [m] from which to return places; the places do not depend on it, so a rank finds near its own
+        particles what one rank would find there
     """
     at, width, low, high = _pieces(fill, np.array(lower), np.array(upper))
     near = (at >= ends[0]) & (at < ends[1])
@@ -53,7 +52,7 @@ def samples(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[floa
 
 
 def _pieces(fill: Filling, lower: Floats, upper: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return the fluid on the middle lines of strips: place, width, lower and upper end [m]."""
+    """Return the fluid on the middle lines of strips: x, width, lower and upper end [m]."""
     a, b, sides = _sides(fill, lower, upper)
     cuts = np.unique(np.clip(np.concatenate([a[:, 0], sides, [lower[0], upper[0]]]), lower[0], upper[0]))
     _, at, width = _divided(cuts[:-1], cuts[1:], fill.spacing)
@@ -69,11 +68,11 @@ def _pieces(fill: Filling, lower: Floats, upper: Floats) -> tuple[Floats, Floats
 
 
 def _sides(fill: Filling, lower: Floats, upper: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return all straight pieces that may bound the fluid, (n, 2) each, and further places [m] where it may end."""
+    """Return all straight pieces that may bound the fluid, (n, 2) each, and further x [m] where it may end."""
     solids = [solid_of(wall) for wall in fill.walls]
     pieces = [solid.elements for solid in solids]
     for outline in solids:
-        if not outline.closed:    # an open wall continues beyond its ends
+        if not outline.closed:    # continues beyond its ends
             far = 4.0 * np.linalg.norm(upper - lower) + np.abs(outline.points).max() + np.abs(lower).max()
             for end, way in zip(outline.points[[0, -1]], outline.ways):
                 pieces.append(np.array([[end, end + far * way / np.linalg.norm(way)]]))

@@ -1,6 +1,6 @@
 """The raised surface of fluid at the start: columns stretched linearly from the bed to the elevation (2D).
 
-This moves the particles of a Box, and the places at which the volume of any fluid is measured.
+This moves the particles of a Box, and the sample places of the volume of any fluid.
 """
 
 import numpy as np
@@ -12,14 +12,14 @@ from parisph.case.shapes import Box
 from parisph.geometry.columns import beds
 from parisph.geometry.mesh import WallMesh
 
-MOST = 0.5    # of the depth: where the bed rises, as at a shore, water is raised by no more
-LEVEL = 1e-9  # of the depth, above the lowest place of the water: a bed no higher is level
+MOST = 0.5    # of the depth: limit of the elevation where the bed rises, as at a shore
+LEVEL = 1e-9  # of the depth, above the lowest place of the water: a lower bed is level
 
 
 def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x: Floats) -> tuple[Floats, Floats]:
-    """Return where points x (n, 2) [m] of a body of fluid with a level surface go, and the stretch there, (n,).
+    """Return where points x (n, 2) [m] below a level surface are moved, and the stretch there, (n,).
 
-    bounds : the corners (2,) [m] of a box around the body. What lies below an overhang stays.
+    bounds : the corners (2,) [m] of a box around the body of fluid. Points below an overhang stay.
     """
     if not fluid.raised:
         return x, np.ones(len(x))
@@ -40,7 +40,7 @@ def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x
 
 
 def lowered(fluid: Fluid, x: Floats) -> Floats:
-    """Return where points x (n, 2) [m] of a raised Box on a level bed have come from; of other fluid, x itself."""
+    """Return where points x (n, 2) [m] of a raised Box on a level bed came from; for other fluid, x itself."""
     if not fluid.raised or not isinstance(fluid.shape, Box):
         return x
     bottom, height = fluid.shape.bounds[0][-1], fluid.shape.height

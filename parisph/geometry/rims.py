@@ -1,4 +1,4 @@
-"""Where water leaves a scene: the ends of what holds it, and the upper ends of wavemakers."""
+"""Where water leaves a scene: over the ends of its container, and over the tops of wavemakers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,18 +13,16 @@ from parisph.case.shapes import Tank
 from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.standing import standing
 
-OUTSIDE = 0.5    # spacings beyond a side wall, from where on water above the rim has left
-BELOW = 1.0      # spacings below the rim that water may have fallen in the step that took it out
+OUTSIDE = 0.5    # spacings beyond a side wall: farther water above the rim has left
+BELOW = 1.0      # spacings below the rim to which water may fall in the step in which it leaves
 
 
 @dataclass(frozen=True)
 class Rim:
-    """The box around what holds the water: the Tank, or else all Profiles, or else all bodies, off which it runs. Or
-    the half-space in front of the face of a wavemaker.
+    """The box around the Tank, else all Profiles, else all bodies; or the half-space in front of a wavemaker.
 
-    motion : how it moves; lower, upper : (dim,) corners at rest [m]; left, right : heights at which it ends there [m],
-    -inf where water may leave at any height; spacing : [m]
-    reach : [m] behind a wall, from where on a point is lost
+    motion : of the container; lower, upper : (dim,) corners at rest [m]; left, right : heights of its sides [m], -inf
+    where water may leave at any height; spacing : [m]; reach : [m] behind a wall, beyond which a point is lost
     """
 
     motion: Motion
@@ -36,10 +34,10 @@ class Rim:
     reach: float = np.inf
 
     def out(self, x: Floats, t: float) -> tuple[Flags, Flags]:
-        """Return which points x (n, dim) [m] are out over the rim at a time [s], and which are lost behind a wall."""
-        if not isinstance(self.motion, AtRest):    # as seen in what holds the water
+        """Return which points x (n, dim) [m] have left over the rim at a time [s], and which are lost behind a wall."""
+        if not isinstance(self.motion, AtRest):    # to the frame of the container
             x = self.motion.placed_by(x, -self.motion.law(t)[0])
-        if self._within(x):    # as in most steps
+        if self._within(x):    # most steps
             return np.zeros(len(x), bool), np.zeros(len(x), bool)
         up = x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
@@ -62,9 +60,9 @@ class Rim:
 
 
 def rims_of(case: Scene, reach: float) -> tuple[Rim, ...]:
-    """Return the Rim of what holds the water of a scene, none without walls or under a lid, and those of wavemakers.
+    """Return the Rim of the container of the water, none without walls or under a lid, and those of wavemakers.
 
-    reach : [m], from where on behind a wall a point is lost, but for wavemakers: behind these it is dry
+    reach : [m] behind a wall, beyond which a point is lost; it does not apply behind wavemakers, where it is dry
     """
     pairs, s = list(zip(standing(case), case.bodies)), case.numerics.spacing
     held = () if case.walls is None or case.lidded else (_holder(pairs, s, reach),)

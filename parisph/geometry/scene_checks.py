@@ -1,4 +1,4 @@
-"""Checks of a case that need its geometry: what makes it impossible to compute, and what to know before it is run."""
+"""Checks of a case that need its geometry: faults, warnings, and facts for `parisph check`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,20 +27,20 @@ from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
-ROOM = 2.0      # spacings that a tank needs behind the farthest place of a wavemaker
-LEAST = 4       # fluid particles of a scene
-STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
-DEEP = 0.01     # of the depth of a wave: how far that of the water may differ
+ROOM = 2.0      # spacings that a tank needs behind the extreme position of a wavemaker
+LEAST = 4       # fluid particles that a scene needs
+STRETCH = 0.1   # of a spacing: a Box whose lattice differs more gets advice
+DEEP = 0.01     # of the depth of a wave: largest difference from that of the water
 ALONG = 9       # places along a zone at which it is looked at
 
 
 @dataclass(frozen=True)
 class Facts:
-    """What `parisph check` says of the walls and the filling of a scene.
+    """What `parisph check` reports about the walls and the filling of a scene.
 
     elements : number of wall elements; gap : the least distance across fluid [m], inf without one; between : its two
     bodies; wedge : the sharpest corner of the fluid [degrees], 180 without one; volume : exact, of all fluid at the
-    start [m2]; lattice : the same by its particles' cells
+    start [m2]; lattice : the sum of its particles' cells [m2]
     """
 
     elements: int
@@ -58,7 +58,7 @@ def check(case: Case) -> None:
 
 
 def faults(case: Case) -> list[str]:
-    """Return what makes a scene impossible to compute, one line each with a remedy."""
+    """Return the faults of a scene that cannot be computed, one line each with a remedy."""
     try:
         walls = standing(case)
     except CaseError as error:
@@ -70,7 +70,7 @@ def faults(case: Case) -> list[str]:
 
 
 def warnings(case: Case) -> list[str]:
-    """Return what a scene will be computed less well for, and advice on its spacing."""
+    """Return what will be computed with larger errors, and advice on the spacing."""
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
     return [*own, *_filled(case), *_neared(case, walls), *_airless(case), *_advice(case)]
@@ -92,7 +92,7 @@ def facts(case: Case) -> Facts | None:
 
 
 def _filled(case: Case) -> Iterator[str]:
-    """Fluid that is too narrow for particles, in place of which there is a solid; a line for each pair of bodies."""
+    """Fluid too narrow for particles, which a solid replaces; a line for each pair of bodies."""
     walls, s = given(case), case.numerics.spacing
     wedges: dict[tuple[int, ...], list[Tip]] = {}
     for tip in tips(walls, s):
@@ -125,12 +125,12 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
             unit = "rad" if isinstance(one.motion, Rotation) else "m"
             yield (f"walls, {one.name}: its {moves} brings it to {other.name} at t = {met.time:.3g} s, at "
                    f"({met.at[0]:.3g}, {met.at[1]:.3g}), {abs(met.value):.3g} {unit} from where it starts; must stay "
-                   f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or let both move "
-                   "alike")
+                   f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or give both the "
+                   "same motion")
 
 
 def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
-    """Return where a tank or a bed must begin, or end, so that there is room behind a wavemaker that reaches it."""
+    """Return where a tank or a bed must begin or end to leave room behind a wavemaker that reaches it."""
     face, s = walls[met.one], case.numerics.spacing
     maker, other = (case.bodies[number] if number < len(case.bodies) else None for number in (met.one, met.other))
     if not isinstance(maker, (Piston, Flap)) or not isinstance(other, (Tank, Profile)):
@@ -143,7 +143,7 @@ def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
         high = s * np.ceil((float(x.max()) + ROOM * s) / s)
     else:
         low = s * np.floor((float(x.min()) - ROOM * s) / s)
-    if (met.at[0] < maker.place) if on_left else (met.at[0] > maker.place):    # it is reached in front
+    if (met.at[0] < maker.place) if on_left else (met.at[0] > maker.place):    # reached in front
         return ""
     verb, place = ("end", high) if on_left else ("begin", low)
     if isinstance(other, Profile):
@@ -177,7 +177,7 @@ def _few(case: Case) -> Iterator[str]:
 
 
 def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
-    """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
+    """Tanks filled up to the lid by other fluid than StillWater: they do not count as closed."""
     tank, s = case.tank, case.numerics.spacing
     if tank is None or case.closed or case.lone_tank is not None or not _at_lid(case):
         return
@@ -194,14 +194,14 @@ def _at_lid(case: Case) -> bool:
 
 
 def _airless(case: Case) -> Iterator[str]:
-    """Fluid without a surface, in a scene that is not known to be full."""
+    """Fluid without a surface, in a scene that does not count as closed."""
     if not case.closed and _at_lid(case) and not has_surface(case):
         yield ("no fluid particle is on a free surface, so that p = 0 is set only at the highest one; leave a spacing "
                "of air below the lid, or fill the tank with StillWater")
 
 
 def _advice(case: Case) -> Iterator[str]:
-    """Boxes whose edges are not a whole number of spacings long, so that their lattice is stretched."""
+    """Boxes with edges that are not a whole number of spacings long, whose lattice is stretched."""
     s = case.numerics.spacing
     for name, fluid in fluid_names(case):
         if not isinstance(fluid.shape, Box):
@@ -230,7 +230,7 @@ def _depths(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
 
 
 def _depth(case: Case, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
-    """Compare the depth of a wave with those of the water at places x (n,) above beds (n,) [m]."""
+    """Compare the depth of a wave with the depths of the water at places x (n,) above beds (n,) [m]."""
     if level is None:
         boxes = [case.bounds_of(fluid) for fluid in case.fluids]
         tops = [top[-1] for low, top in boxes if np.any((x >= low[0] - 1e-9) & (x <= top[0] + 1e-9))]

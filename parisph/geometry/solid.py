@@ -1,4 +1,4 @@
-"""Each body of a scene as a solid: its elements, with the fluid on their left, and what lies behind them (2D)."""
+"""Each body of a scene as a solid: its elements, with the fluid on their left, and its inside (2D)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from parisph.case.shapes import Box, Disc, Shape, Tank
 from parisph.geometry.columns import cross, meet
 from parisph.geometry.distance import nearest
 
-FACETS = 256    # straight pieces around a disc; they turn by less than a mesh calls a corner
+FACETS = 256    # straight pieces around a disc; they turn by less than a corner of a mesh
 
 Wall = Tank | Profile | Obstacle | Plate
 
@@ -21,9 +21,9 @@ Wall = Tank | Profile | Obstacle | Plate
 class Solid:
     """One body, by its outline.
 
-    points : (n, 2) [m], in order, with fluid on the left of the way along them
+    points : (n, 2) [m], in order, with fluid on the left
     closed : whether the last point is joined to the first; an open outline continues beyond its ends, see `ways`
-    two_sided : whether fluid is on both sides, as of a plate; its points then lead there and back, and it has no inside
+    two_sided : whether fluid is on both sides, as of a plate; its points then go there and back, and it has no inside
     beyond : "straight", "up" or "down": how an open outline continues
     """
 
@@ -47,13 +47,13 @@ class Solid:
     def in_front(self, x: Floats) -> Flags:
         """Return which of the points x (n, 2) [m] lie on the fluid's side of this body, (n,) bool.
 
-        The pieces are seen from x under angles whose sum is known but for a whole turn, which tells the sides apart.
+        The sum of the angles of the pieces seen from x differs by a full turn between the two sides.
         """
         front = np.full(len(x), self.two_sided or signed_area(self.points) < 0.0)
         if self.two_sided:
             return front
         near = np.ones(len(x), dtype=bool)
-        if self.closed:    # only what is in the box around it may be inside
+        if self.closed:    # only points in its bounding box can be inside
             near = ((x >= self.points.min(axis=0)) & (x <= self.points.max(axis=0))).all(axis=1)
         at = x[near]
         turn, whole = np.zeros(len(at)), 0.0 if front.all() else 2.0 * np.pi
@@ -68,7 +68,7 @@ class Solid:
         return front
 
     def depth(self, x: Floats) -> Floats:
-        """Return how far points x (n, 2) [m] are behind the elements, 0 in front of them, (n,) [m]."""
+        """Return the depth (n,) [m] of points x (n, 2) [m] behind the elements, 0 in front of them."""
         behind = ~self.in_front(x)
         far = np.zeros(len(x))
         if behind.any():
@@ -78,7 +78,7 @@ class Solid:
 
 @lru_cache(maxsize=64)
 def solid_of(body: Wall) -> Solid:
-    """Return the Solid of a Tank, Profile, Obstacle or Plate, which nobody may change. Raises TypeError for others."""
+    """Return the Solid of a Tank, Profile, Obstacle or Plate. Cached: callers must not change it. Raises TypeError."""
     if isinstance(body, Tank):
         lower, upper = body.bounds
         left, right = (lower[0], upper[1]), (upper[0], upper[1])
@@ -96,14 +96,14 @@ def solid_of(body: Wall) -> Solid:
 
 
 def outline_of(shape: Shape) -> Solid:
-    """Return the Solid that a shape would be. That of fluid may touch itself, which an Obstacle refuses."""
+    """Return a shape as a Solid; unlike an Obstacle, it may touch itself, as fluid may."""
     points = corners_of(shape)
     return Solid(points[::-1].copy() if signed_area(points) > 0.0 else points, True)
 
 
 def way_beyond(points: Floats) -> str | None:
-    """Return how a line through points (n, 2) [m] can go on beyond its ends and not meet itself: "straight" if it can,
-    else "up", as a bowl whose ends overhang, else "down"; None if it meets itself in each way."""
+    """Return how a line through points (n, 2) [m] can continue without crossing itself: "straight" if possible,
+    else "up" (a bowl with overhanging ends), else "down", else None."""
     return next((how for how in ("straight", "up", "down") if not _meets_itself(points, *_ways(points, how))), None)
 
 
@@ -115,7 +115,7 @@ def _ways(points: Floats, beyond: str) -> tuple[Floats, Floats]:
 
 
 def _meets_itself(points: Floats, first: Floats, last: Floats) -> bool:
-    """Return whether rays from the ends of a line through points, in these directions, meet it or each other."""
+    """Return whether rays in these directions, from the ends of a line through points, meet the line or each other."""
     a, b = points[:-1], points[1:]
     way = b - a
     return (_ray_meets(points[0], first, a[1:], way[1:], 1.0) or _ray_meets(points[-1], last, a[:-1], way[:-1], 1.0)
@@ -130,7 +130,7 @@ def _ray_meets(start: Floats, way: Floats, at: Floats, along: Floats, most: floa
 
 
 def corners_of(shape: Shape) -> Floats:
-    """Return the corners (n, 2) [m] of a Box, Disc or Polygon; a disc has FACETS of them, and its own area."""
+    """Return the corners (n, 2) [m] of a Box, Disc or Polygon; a disc has FACETS corners and keeps its area."""
     if isinstance(shape, Box):
         (left, low), (right, high) = shape.bounds
         return np.array([(left, low), (right, low), (right, high), (left, high)])
@@ -143,13 +143,13 @@ def corners_of(shape: Shape) -> Floats:
 
 
 def signed_area(points: Floats) -> float:
-    """Return the area within points (n, 2) [m] joined in order, negative if they go round clockwise [m2]."""
+    """Return the area [m2] of the polygon through points (n, 2) [m], negative if they are in clockwise order."""
     x, y = (points - points[0]).T
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
 
 
 def in_fluid(walls: Sequence[Wall], x: Floats) -> Flags:
-    """Return which points x (n, 2) [m] lie in front of all walls, (n,) bool. The work is points times elements."""
+    """Return which points x (n, 2) [m] lie in front of all walls, (n,) bool. The cost is points times elements."""
     inside = np.ones(len(x), dtype=bool)
     for wall in walls:
         inside[inside] = solid_of(wall).in_front(x[inside])

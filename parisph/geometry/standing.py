@@ -1,4 +1,4 @@
-"""The walls of a case as bodies with outlines: wavemakers become upright faces that stand on the bed (2D)."""
+"""The walls of a case as bodies with outlines: wavemakers become vertical faces on the bed (2D)."""
 
 from collections.abc import Sequence
 
@@ -15,14 +15,13 @@ from parisph.geometry.columns import crossings
 from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.tips import tips
 
-ON = 1e-6    # of the height of a wavemaker: so near to a wall its hinge lies on it
+ON = 1e-6    # of the height of a wavemaker: within this distance of a wall its hinge lies on it
 
 
 def standing(case: Scene) -> tuple[Wall, ...]:
-    """Return the walls of a case, named, in which a Piston or a Flap is the Profile of its face with its motion.
+    """Return the walls of a case, named; a Piston or a Flap is the Profile of its face, with its motion.
 
-    Behind them follow the solids that fill tips of the fluid which are too narrow for particles.
-
+    Solids follow that fill tips of the fluid too narrow for particles.
     Raises CaseError for a piston without a bed below it, and for a flap whose hinge is not on a wall.
     """
     walls = given(case)
@@ -32,7 +31,7 @@ def standing(case: Scene) -> tuple[Wall, ...]:
 
 
 def given(case: Scene) -> tuple[Wall, ...]:
-    """Return the walls that a case gives, as `standing` does, which adds others. Raises CaseError."""
+    """Return the walls of a case like `standing`, without filled tips. Raises CaseError."""
     names = body_names(case.bodies)
     fixed = [body for body in case.bodies if not isinstance(body, (Piston, Flap)) and isinstance(body.motion, AtRest)]
     return tuple(_face(body, name, fixed) if isinstance(body, (Piston, Flap)) else body.model_copy(
@@ -40,15 +39,15 @@ def given(case: Scene) -> tuple[Wall, ...]:
 
 
 def _face(maker: Piston | Flap, name: str, fixed: Sequence[Wall]) -> Profile:
-    """Return the face of a wavemaker, from its lower to its upper end or back, with the fluid on its left."""
+    """Return the face of a wavemaker, with the fluid on its left."""
     top = max((float(body.bounds[1][-1]) for body in fixed), default=-np.inf) if maker.top is None else maker.top
     bottom = maker.hinge[1] if isinstance(maker, Flap) else maker.bottom
     beds = _beds(fixed, maker.place)
     if bottom is None:
         bed = _bed(fixed, maker.place)
         if bed is None:
-            raise CaseError(f"walls, {name}: there is no bed below x = {maker.place:g}; lead a Profile or a Tank under "
-                            "it, or give its lower end: bottom=...")
+            raise CaseError(f"walls, {name}: there is no bed below x = {maker.place:g}; extend a Profile or a Tank "
+                            "below it, or give its lower end: bottom=...")
         bottom = bed
     if not top > bottom:
         raise CaseError(f"walls, {name}: its upper end at y = {top:g} is not above the lower one at {bottom:g}; give "
@@ -62,7 +61,7 @@ def _face(maker: Piston | Flap, name: str, fixed: Sequence[Wall]) -> Profile:
 
 
 def _bed(fixed: Sequence[Wall], x: float) -> float | None:
-    """Return the height [m] of the bed at x, with what stands on it, but without what is above it; None without one."""
+    """Return the height [m] of the bed at x, including solids that stand on it, or None without a bed."""
     open_ones = [body for body in fixed if isinstance(body, (Profile, Tank))]
     grounds = _beds(open_ones, x)
     solids = sorted(pair for body in fixed if isinstance(body, Obstacle) for pair in _spans(body, x))
@@ -76,7 +75,7 @@ def _bed(fixed: Sequence[Wall], x: float) -> float | None:
 
 
 def _spans(body: Obstacle, x: float) -> list[tuple[float, float]]:
-    """Return the lower and the upper ends [m] of what of a solid is at x."""
+    """Return the lower and upper ends [m] of the parts of a solid at x."""
     a, b = solid_of(body).elements.swapaxes(0, 1)
     heights = np.sort(crossings(a, b, np.array([x]))[1]).tolist()
     return list(zip(heights[::2], heights[1::2]))

@@ -1,10 +1,10 @@
-"""Fluid too narrow for particles, as under a pipe that lies on its bed: it is filled by a solid (2D).
+"""Fluid too narrow for particles, as under a pipe on its bed: a solid fills it (2D).
 
-Where two walls meet at a small angle, the fluid between them ends in a wedge, and where a wall curves close by another
-it has a neck. Particles that are pushed into these find no place, and water at rest beside them moves (measured for
+Where two walls meet at a small angle, the fluid between them ends in a wedge. Where a curved wall comes close to
+another, it has a neck. Particles pushed into these find no place, and water at rest beside them moves (measured for
 discs of 1.5 to 5 spacings on a bed, or up to .4 above it, and for notches of 20 degrees). So the fluid ends where it is
-WIDTH wide: there the mesh has a short wall across it. A smaller spacing fills less. A slit between parallel walls is
-left as it is: water rests there, and lifts what is above it.
+WIDTH wide: there the mesh has a short wall across it. A smaller spacing fills less. A slit between parallel walls stays
+open: water rests there, and carries the pressure to the bodies around it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,17 +26,17 @@ from parisph.geometry.polygons import CLOSE, Chain
 from parisph.geometry.solid import Wall
 
 SHARP = np.radians(30.0)    # angle of the fluid below which its tip is filled: at 28 degrees water rests, at 21 not
-WIDTH = 0.75     # spacings across the end of what is filled: for particles, and not shorter than elements should be
-LONGEST = 20.0   # spacings: a longer wedge, as under a slab that leans on its bed by a degree, is left as it is
-BENT = np.radians(45.0)      # a wall that turns by more at a point ends there
-TURNED = np.radians(75.0)    # and so does one that turns by more in all
-PLACES = 400     # along a wedge, at which its width is looked at
+WIDTH = 0.75     # spacings across the end of a filled tip: room for particles, and long enough for an element
+LONGEST = 20.0   # spacings: a longer wedge, as under a slab tilted by a degree, stays open
+BENT = np.radians(45.0)      # a side ends where the wall turns by more at a point
+TURNED = np.radians(75.0)    # or by more in total
+PLACES = 400     # along a wedge where its width is measured
 
 
 class Filled(Obstacle):
-    """A solid that the scene does not give, in place of fluid that is too narrow.
+    """A solid added in place of fluid that is too narrow.
 
-    beside : numbers of the two bodies between which it is
+    beside : numbers of the two bodies beside it
     """
 
     beside: tuple[int, int] = Field(kw_only=True)
@@ -44,7 +44,7 @@ class Filled(Obstacle):
 
 @dataclass(frozen=True)
 class Tip:
-    """What is filled: the solid, where (2,) [m], how far its two bodies are apart there [m], and its length [m]."""
+    """One filled place: its solid, where (2,) [m], the gap between the two bodies there [m], and its length [m]."""
 
     solid: Filled
     at: tuple[float, float]
@@ -54,7 +54,7 @@ class Tip:
 
 @lru_cache(maxsize=8)
 def tips(walls: tuple[Wall, ...], spacing: float) -> tuple[Tip, ...]:
-    """Return the tips and the necks of the fluid between walls that do not move against each other; spacing : [m]."""
+    """Return the tips and the necks of the fluid between walls with the same motion; spacing : [m]."""
     found: list[Tip] = []
     chains = chains_of(walls, spacing)
     for one, other, at, gap, corners, length in [*_wedges(chains, spacing), *_necks(chains, walls, spacing)]:
@@ -64,7 +64,7 @@ def tips(walls: tuple[Wall, ...], spacing: float) -> tuple[Tip, ...]:
         try:
             solid = Filled(shape=Polygon(points=tuple(map(tuple, corners.tolist()))), motion=walls[one].motion,
                            name=name, slip=slip, beside=(one, other))
-        except CaseError:    # its sides cross, as in a pocket of about its size
+        except CaseError:    # its sides cross, as in a small pocket
             continue
         found.append(Tip(solid, (float(at[0]), float(at[1])), gap, length))
     return tuple(found)
@@ -86,7 +86,7 @@ def _wedges(chains: Sequence[Chain], spacing: float) -> Iterator[Found]:
 
 
 def _necks(chains: Sequence[Chain], walls: Sequence[Wall], spacing: float) -> Iterator[Found]:
-    """Places where a wall that curves comes nearest to another, between two chains that move alike."""
+    """Places where a curved wall comes nearest to another one, between two chains with the same motion."""
     boxes = [np.array([chain.points.min(axis=0), chain.points.max(axis=0)]) for chain in chains]
     reach, done = WIDTH * spacing, np.empty((0, 2))
     if len(chains) < 2:
@@ -115,9 +115,9 @@ def _necks(chains: Sequence[Chain], walls: Sequence[Wall], spacing: float) -> It
 
 
 def _apart(one: Floats, other: Floats, spacing: float) -> tuple[Floats, Floats, float] | None:
-    """Return two sides (n, 2) [m] up to where they are WIDTH apart, and how far that is [m]; None if they never are.
+    """Return two sides (n, 2) [m] up to where they are WIDTH apart, and the length [m] there, the same along both.
 
-    Both are followed as far as each other.
+    Return None if they never are.
     """
     sides = one, other
     reach = [reaches(side) for side in sides]
@@ -133,8 +133,7 @@ def _apart(one: Floats, other: Floats, spacing: float) -> tuple[Floats, Floats, 
 
 
 def _side(chain: Chain, first: int, step: int, start: Floats, spacing: float) -> Floats:
-    """Return the points (n, 2) [m] of a chain from a place on it, by way of the point number `first`, to where it turns
-    or is long enough."""
+    """Return the points (n, 2) [m] of a chain from a place on it through point `first` to a sharp turn or LONGEST."""
     points, found, length, turned = chain.points, [start], 0.0, 0.0
     for number in range(len(points) - 1):
         at = first + step * number

@@ -15,9 +15,9 @@ from parisph.parallel.survey import Survey, survey
 from parisph.parallel.wall_elements import WallElements
 from parisph.parallel.work import work_of
 
-STRAY = 0.25  # of the grid's side: a particle farther outside makes a new grid necessary
-# skins that particles move in the mean before one rank sorts them again: it has no ghosts to lose, and a preconditioner
-# lasts as long as rows keep their numbers
+STRAY = 0.25  # of the grid's side: a particle farther outside requires a new grid
+# root mean square move, in skins, after which a single rank sorts again: it has no ghosts, and a preconditioner lasts
+# as long as rows keep their numbers
 ALONE = 2.0
 
 
@@ -27,32 +27,23 @@ class Domain:
     Parameters
     ----------
     particles : Particles
-    lower, upper : (dim,) corners of the box that the scene fills [m]
-    radius : float
-        Neighbours closer than this are in the lists [m].
-    skin : float
-        How far a particle may move before particles are redistributed [m]. On one rank they are sorted again only when
-        the root mean square of their moves exceeds ALONE skins.
-    list_skin : float
-        How far a particle may move before the lists are rebuilt [m].
-    closed : bool
-        Whether the box is a closed tank: a particle farther outside than `radius` is lost.
-    tolerated : float
-        Imbalance (max/mean of the ranks' work) above which the work is divided again.
-    balance_every : int
-        The imbalance is checked whenever particles change rank anyway, and otherwise once in this
-        many calls of `redistribute`.
-    elements : WallElements or None
-        Walls: what is behind one is no neighbour. None for no walls.
+    lower, upper : (dim,) corners of the box of the scene [m]
+    radius : [m], the lists contain neighbours closer than this
+    skin : [m], largest move of a particle before particles are redistributed. One rank sorts only when the root mean
+        square of the moves exceeds ALONE skins.
+    list_skin : [m], largest move of a particle before the lists are rebuilt
+    closed : whether the box is a closed tank: a particle farther outside than `radius` is lost
+    tolerated : imbalance (max/mean of the ranks' work) above which the work is divided again
+    balance_every : calls of `redistribute` between checks of the imbalance, if particles do not change rank
+    elements : WallElements, or None without walls; particles behind a wall are not neighbours
 
     Attributes
     ----------
     indptr : (n_owned + 1,) int32, indices : (nnz,) int32
-        Neighbours of each owned particle among all local ones: those within
-        `radius + 2 list_skin` when the lists were made, so those within `radius` ever since.
+        Neighbours of each owned particle among all local ones: those within `radius + 2 list_skin` when the lists were
+        made, which include those within `radius` since then.
     global_rows : (n_all,) int32 (int64 beyond 2^31 rows), global row of each local particle
-    n_plans, n_lists, n_updates : int, how often particles were redistributed, lists rebuilt, and fields of ghosts
-        updated, so far
+    n_plans, n_lists, n_updates : numbers of redistributions, new lists, and updates of ghost fields so far
 
     Raises
     ------
@@ -89,21 +80,19 @@ class Domain:
         if not (self.radius > 0.0 and self.skin >= 0.0 and self.list_skin >= 0.0):
             raise CaseError(f"radius {self.radius} must be positive; skins {self.skin}, {self.list_skin} not negative")
 
-    # -- what a step calls -----------------------------------------------------------------
+    # -- called by a step -----------------------------------------------------------------
 
     def redistribute(self, force: bool = False) -> bool:
-        """Move particles to their owners if any has moved by more than the skin (see there). Collective.
+        """Move particles to their owners if one has moved by the skin, if forced, or if work is uneven. Collective.
 
-        Also if forced, or if the work is uneven: cells then change owners. Sorts the owned
-        particles along the Hilbert curve, makes the ghosts, and fills all their `exchanged` fields.
-
-        Returns True if row numbers have changed: arrays held outside `particles` are then stale.
-        Raises ParticleLost on every rank if a position is not finite, or outside a closed tank.
+        If work is uneven, cells change owners. Sorts the owned particles along the Hilbert curve, makes the ghosts, and
+        fills their `exchanged` fields. Returns True if row numbers have changed: arrays outside `particles` are then
+        stale. Raises ParticleLost on every rank if a position is not finite, or outside a closed tank.
         """
         return self._redistribute(force, self._survey())
 
     def refresh(self, *also: str) -> bool:
-        """Update the ghosts' positions and the neighbour lists to the present positions. Collective.
+        """Update the ghosts' positions and the neighbour lists to the current positions. Collective.
 
         also : names of fields that are sent in the same message as the positions
 
@@ -120,9 +109,9 @@ class Domain:
         return renumbered
 
     def remove(self, which: Flags) -> None:
-        """Take owned particles out of the scene, and renew order, ghosts and lists. Collective.
+        """Remove owned particles from the scene, and renew order, ghosts and lists. Collective.
 
-        which : (n_owned,) bool. The next `refresh` tells that row numbers have changed.
+        which : (n_owned,) bool. The next `refresh` returns that row numbers have changed.
         Raises as `redistribute`.
         """
         p = self.particles
@@ -142,23 +131,23 @@ class Domain:
             raise ParisphError("no such particle field: "
                                f"{', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
         if names:
-            self.n_updates += 1    # also on one rank, which then tells how many messages more ranks would send
+            self.n_updates += 1    # also on one rank: the messages that several ranks would send
         if self._halo is not None and names:
             self._halo.update(*names)
 
     @property
     def work(self) -> int:
-        """Work of this rank's particles, by which they are shared (parallel.work)."""
+        """Work of this rank's particles (parallel.work)."""
         return int(self._work().sum())
 
     @property
     def receivers(self) -> int:
-        """Number of ranks that get ghosts of this one: the messages that an update takes from here."""
+        """Number of ranks that receive ghosts from this one: the messages that it sends in an update."""
         return 0 if self._halo is None else self._halo.receivers
 
     @property
     def n_sent(self) -> int:
-        """Number of ghosts that other ranks have of this one's particles."""
+        """Number of ghosts of this rank's particles on other ranks."""
         return 0 if self._halo is None else self._halo.n_sent
 
     def destroy(self) -> None:
@@ -170,7 +159,7 @@ class Domain:
     # -- when ------------------------------------------------------------------------------
 
     def _survey(self) -> Survey:
-        if self._assigned != self.particles.n_assigned:  # other particles: no earlier positions
+        if self._assigned != self.particles.n_assigned:  # new particles have no earlier positions
             self._assigned = self.particles.n_assigned
             self._plan_x = self._list_x = None
         grid = (self.lower, self.upper)
@@ -191,20 +180,20 @@ class Domain:
         return True
 
     def _next_partition(self, stray: float, moving: bool) -> Partition:
-        """Return the partition to use from now on, the same object when it need not change."""
+        """Return the partition to use from now on, the same object if it need not change."""
         old = self._partition
         if old is None or stray > STRAY * (old.grid.upper - old.grid.origin).max():
             return self._partition_now()
         if not self._is_uneven(moving):
             return old
         new = self._partition_now(old.grid)
-        # Renumbering is expensive: keep the partition if the cells are too coarse for a better one.
+        # Renumbering is expensive: keep the partition if cells are too coarse for a better one.
         return old if np.array_equal(new.splitters, old.splitters) else new
 
     def _is_uneven(self, moving: bool) -> bool:
         """Return whether the work is too uneven.
 
-        Measured only in every `balance_every`-th call and whenever particles move.
+        Measured only in every `balance_every`-th call and when particles change rank.
         """
         comm = self.particles.comm
         if comm.size == 1 or not (moving or self._calls - self._looked >= self.balance_every):
@@ -215,7 +204,7 @@ class Domain:
         return imbalance(loads) > self.tolerated
 
     def _work(self) -> Ints:
-        """Return the work of each owned particle (n_owned,) int64, the same for all where lists are not known."""
+        """Return the work of each owned particle (n_owned,) int64, equal for all without lists."""
         p = self.particles
         if self._list_x is None:
             return np.ones(p.n_owned, np.int64)
@@ -224,7 +213,7 @@ class Domain:
     # -- how -------------------------------------------------------------------------------
 
     def _partition_now(self, grid: Grid | None = None) -> Partition:
-        """Make a partition of equal work for the particles where they are now."""
+        """Make a partition of equal work for the current positions."""
         p = self.particles
         grid = grid or Grid.covering(*self._bounds(), width=self.width * ROUNDING)
         if p.comm.size == 1:
@@ -232,7 +221,7 @@ class Domain:
         return Partition(grid, split(p.comm, grid.cells(grid.keys(p.x)), self._work(), grid.end))
 
     def _bounds(self) -> tuple[Floats, Floats]:
-        """Corners of the box around the scene and all particles."""
+        """Return the corners of the box around the scene and all particles."""
         p = self.particles
         both = np.concatenate([-self.lower, self.upper])
         if p.n_owned:
@@ -270,9 +259,8 @@ class Domain:
         self.n_lists += 1
 
     def _look_past_walls(self) -> None:
-        """Leave in the lists what is seen from where particles are now.
+        """Remove neighbours behind walls from the lists, by the current positions.
 
-        Lists last until particles have moved, on several ranks also until the work is shared anew, and a restart makes
-        them anew: no particle may see more or less because of that.
+        The result must not depend on the age of the lists, which differs between numbers of ranks and after a restart.
         """
         self.indptr, self.indices = self.elements.look(self.particles, self.radius, *self._around)

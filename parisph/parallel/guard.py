@@ -1,8 +1,8 @@
-"""A guard against ranks that wait forever for one that has failed or ended.
+"""A guard against ranks that wait forever for a failed or finished one.
 
-Expected errors in collective calls are raised on all ranks (base.errors.agree). Other errors on one
-rank, such as sys.exit or a MemoryError in a user's own code, leave the other ranks waiting. A Guard
-then ends all ranks, with the traceback of the one that failed.
+Expected errors in collective calls are raised on all ranks (base.errors.agree). Other errors on one rank, such as
+sys.exit or a MemoryError in a user's code, leave others waiting. A Guard then ends all ranks, with the failed one's
+traceback.
 """
 
 import atexit
@@ -21,37 +21,35 @@ from mpi4py import MPI
 
 from parisph.base.errors import exit_code
 
-PATIENCE = 5.0    # [s] that a rank with an error waits for the others to come to theirs
-LOOK, RARELY = 1.0, 4.0    # [s] between two looks of a rank that waits, for ranks that have ended: at first, later
-BRIEF = 1.0       # [s] for the message of a rank that ends; MPI_Finalize sends what is left
+PATIENCE = 5.0    # [s] that a rank with an error waits for errors of the others
+LOOK, RARELY = 1.0, 4.0    # [s] between two checks of a waiting rank for ended ranks: at first, later
+BRIEF = 1.0       # [s] for the message of an ending rank; MPI_Finalize sends the rest
 _ENDED = 72       # the tag of that message
 
 
 class Guard:
     """Watches the collective calls on a communicator, on all ranks. `Guard.of(comm)` makes or finds it.
 
-    If a call raises an exception on some ranks only, all ranks end within PATIENCE, because the others
-    would wait forever in this call or the next one. A rank that ends without an error tells others
-    how many calls it has made. A rank that waits for it in a later call ends all ranks; a rank that does
-    not, because it still makes pictures, for example, is left alone. An uncaught exception also ends all
-    ranks, unless they end too. On the first call on the communicator of `watch`, ranks that have ended before
-    it are found too.
+    If a call raises an exception on only some ranks, all ranks end within PATIENCE: the others would wait forever. A
+    rank that ends without an error sends others the number of its calls. A rank that waits for it in a later call ends
+    all ranks; a rank that does not wait, for example because it makes pictures, is left alone. An uncaught exception
+    also ends all ranks, unless they end too. The first call on the communicator of `watch` finds earlier ends too.
 
-    No messages are sent as long as there is no error. To detect ranks that have ended, the MPI library
+    Without an error no messages are sent. To detect ranks that have ended, the MPI library
     must support calls from several threads (MPI_THREAD_MULTIPLE, which mpi4py requests).
     """
 
     _key: int | None = None
     _all: "weakref.WeakSet[Guard]" = weakref.WeakSet()
-    _failed = False    # this process ends by an uncaught exception
-    _watched = False   # the end of this process has its hooks
+    _failed = False    # this process ends with an uncaught exception
+    _watched = False   # the hooks at the end of this process are set
     _world: MPI.Comm | None = None      # communicator of all ranks
     _used = False      # `of` has returned before, for any communicator
     _met = False       # all ranks of `_world` have been in `of`
 
     @classmethod
     def of(cls, comm: MPI.Comm) -> "Guard | None":
-        """Return the Guard of a communicator, None if it has one rank only. Collective the first time."""
+        """Return the Guard of a communicator, None for a single rank. Collective the first time."""
         guard = None if comm.size == 1 else cls._found(comm)
         cls._used = True
         return guard
@@ -80,10 +78,10 @@ class Guard:
 
     def __init__(self, comm: MPI.Comm) -> None:
         self.comm = comm.Dup()
-        self.calls = 0            # made so far, with the present one
-        self.alone = False        # an error of this rank is not on the others
-        self._call: str | None = None    # name of the present call
-        self._left: dict[int, int] = {}  # calls that ranks had made when they ended
+        self.calls = 0            # number so far, with the current one
+        self.alone = False        # this rank has an error that others do not have
+        self._call: str | None = None    # name of the current call
+        self._left: dict[int, int] = {}  # {rank: calls} of ended ranks
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._look, name="guard", daemon=True)
         if MPI.Query_thread() == MPI.THREAD_MULTIPLE:
@@ -92,7 +90,7 @@ class Guard:
 
     @contextmanager
     def call(self, name: str) -> Iterator[None]:
-        """Context of a collective call: an error is on all ranks, or all are ended. Calls inside are part of it."""
+        """Return the context of a collective call, with inner ones: an error is on all ranks, or all ranks end."""
         if self._call is not None or self._ended.is_set():
             yield
             return
@@ -109,7 +107,7 @@ class Guard:
             self._call = None
 
     def on_all(self) -> bool:
-        """Return whether all ranks have an error, that is, arrive here within PATIENCE. Collective on those that do."""
+        """Return whether all ranks have an error and arrive here within PATIENCE. Collective on these."""
         self.alone = self.alone or not all_come(self.comm)
         return not self.alone
 
@@ -119,10 +117,10 @@ class Guard:
         self._all.discard(self)
         self.comm.Free()
 
-    # -- ranks that end ----------------------------------------------------------------------
+    # -- ending ranks ------------------------------------------------------------------------
 
     def _look(self) -> None:
-        """If this rank is in one call for long, check whether a rank that it waits for has ended. Runs in a thread."""
+        """During a long call, check whether a rank that this one waits for has ended. Runs in a thread."""
         before: int | None = None
         wait = LOOK
         while not self._ended.wait(wait):
@@ -143,13 +141,13 @@ class Guard:
             self._thread.join()
 
     def _receive(self) -> None:
-        """Receive the messages of ranks that have ended so far."""
+        """Receive the messages of ended ranks."""
         status = MPI.Status()
         while self.comm.Iprobe(tag=_ENDED, status=status):
             self._left[status.source] = self.comm.recv(source=status.source, tag=_ENDED)
 
     def _leave(self) -> None:
-        """Tell others that this rank ends. If it ends with an exception, all ranks end within PATIENCE."""
+        """Tell others that this rank ends. With an exception, all ranks end within PATIENCE."""
         self._stop_looking()
         sent = [self.comm.isend(self.calls, rank, _ENDED) for rank in self._partners(1)]
         due = len(self._partners(-1)) if self._failed else 0
@@ -163,8 +161,7 @@ class Guard:
             _abort(self.comm, f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
     def _partners(self, sign: int) -> set[int]:
-        """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait,
-        one of them."""
+        """Return the ranks that get the message of this one (1) or send theirs (-1): few, but at least one."""
         size = self.comm.size
         return {(self.comm.rank + sign * 2**k) % size for k in range(size.bit_length())} - {self.comm.rank}
 
@@ -172,9 +169,7 @@ class Guard:
     def watch(cls, world: MPI.Comm | None = None) -> None:
         """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize.
 
-        Not collective.
-
-        world : communicator of all ranks, on which ranks may end before their first call; None to leave it
+        Not collective. world : communicator of all ranks, or None to keep it
         """
         cls._world = cls._world if world is None else world
         if cls._watched:
@@ -198,10 +193,10 @@ class Guard:
 
     @classmethod
     def _leave_world(cls, comm: MPI.Comm) -> None:
-        """Tell ranks that are yet to make their first call on `comm` that this rank has ended.
+        """Tell ranks before their first call on `comm` that this rank has ended.
 
-        If it ends with an exception before its own first call, on any communicator, all ranks end within
-        PATIENCE. After that call it may work apart from other ranks, which are left alone.
+        If it ends with an exception before its own first call, on any communicator, all ranks end within PATIENCE.
+        After that call it may work apart from other ranks, which are left alone.
         """
         if comm.size == 1 or cls._met:
             return
@@ -211,9 +206,9 @@ class Guard:
 
 
 class _Meeting:
-    """A collective operation on `comm` in which ranks say whether they end.
+    """A collective operation on `comm` in which ranks state whether they end.
 
-    It cannot be mistaken for a user's messages.
+    It does not interfere with a user's messages.
     """
 
     def __init__(self, comm: MPI.Comm, ends: bool) -> None:
@@ -223,11 +218,11 @@ class _Meeting:
 
     @property
     def ended(self) -> int | None:
-        """The lowest rank that ends, None if there is none. Known when all have come."""
+        """The lowest ending rank, or None. Known when all have arrived."""
         return None if self._least[0] == self.size else int(self._least[0])
 
     def wait(self, patience: float) -> bool:
-        """Return whether all ranks come within `patience` [s]."""
+        """Return whether all ranks arrive within `patience` [s]."""
         deadline, pause = time.monotonic() + patience, 1e-5
         while not self._request.Test():
             if time.monotonic() > deadline:
@@ -238,12 +233,12 @@ class _Meeting:
 
 
 def all_come(comm: MPI.Comm) -> bool:
-    """Return whether all ranks of `comm` arrive here within PATIENCE. Collective on those that do."""
+    """Return whether all ranks of `comm` arrive here within PATIENCE. Collective on these."""
     return _Meeting(comm, ends=True).wait(PATIENCE)
 
 
 def _abort(comm: MPI.Comm, text: str, code: int) -> None:
-    with suppress(OSError):    # nobody reads it any more
+    with suppress(OSError):    # the output may be closed
         sys.stdout.flush()
         print(f"parisph: {text}: stopping all {comm.size} ranks", file=sys.stderr, flush=True)
     comm.Abort(code)

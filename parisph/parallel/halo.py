@@ -1,4 +1,4 @@
-"""Ghosts: the copies that a rank holds of other ranks' particles near its own."""
+"""Ghosts: copies of other ranks' particles near those of this rank."""
 
 from typing import Any
 
@@ -21,11 +21,10 @@ ROUNDING = 1.0 + 1e-9
 class Halo:
     """The ghosts of one plan, and their updates. The constructor is collective.
 
-    A rank gets every particle of another rank that lies within `width` of any cell it owns,
-    whether there is a particle in that cell or not. The owner finds these particles without
-    communication, from the cells around those of its own particles. One message brings each rank
-    its ghosts, with all fields that are `exchanged`, and their numbers. The plan for further
-    exchanges is made from these (a PETSc star forest: its roots are particles with ghosts elsewhere).
+    A rank gets every particle of another rank within `width` of any cell that it owns, even an empty one. The owner
+    finds these particles without communication, from the cells around those of its own particles. One message brings
+    each rank its ghosts with their `exchanged` fields and their numbers. These define the plan of further exchanges, a
+    PETSc star forest whose roots are particles with ghosts elsewhere.
 
     Parameters
     ----------
@@ -37,7 +36,7 @@ class Halo:
     Attributes
     ----------
     rows : (n_ghost,) int64, global rows of the ghosts, which are sorted by owner
-    receivers, n_sent : int, ranks that get ghosts from here, and their ghosts together
+    receivers, n_sent : int, number of ranks that get ghosts from this one, and of these ghosts
     """
 
     def __init__(self, particles: Particles, partition: Partition, cells: Ints, width: float) -> None:
@@ -69,7 +68,7 @@ class Halo:
     def update(self, *names: str) -> None:
         """Send the named fields of the owners to the ghosts, all in one message. Collective.
 
-        Raises ParisphError if there is no such field (on all ranks if all ask for the same fields).
+        Raises ParisphError for an unknown field (on all ranks if all give the same names).
         """
         p, dim = self.particles, self.particles.dim
         parts: list[tuple[int, Array]] = []
@@ -101,19 +100,19 @@ class Halo:
 
 
 def _width(name: str, dim: int) -> int:
-    """Number of doubles that a field takes in a message."""
+    """Return the number of doubles of a field in a message."""
     if name not in FIELDS:
         raise ParisphError(f"no such particle field: {name} (there are {', '.join(FIELDS)})")
     return int(dim ** ORDER[FIELDS[name].shape])
 
 
 def _as_columns(values: Array, width: int) -> Array:
-    """Return a view of values (n, width), as doubles where these have as many bytes: an id may need all 64 bits."""
+    """Return a view (n, width) of values, as doubles if they have 8 bytes: an id may need all 64 bits."""
     return (values.view(np.float64) if values.dtype.itemsize == 8 else values).reshape(len(values), width)
 
 
 def compile_for_ranks() -> None:
-    """Compile what only several ranks need to make and update ghosts in 2D, or load it. Not collective."""
+    """Compile or load the kernels that only several ranks need for ghosts in 2D. Not collective."""
     nowhere = Partition(Grid(np.zeros(2), 1.0, 1, 0, *machine(2)), np.zeros(2, np.int64))
     senders(np.zeros((0, 2)), np.zeros(0, np.int64), nowhere, 0.0, 0)
     for kind in {np.float64 if np.dtype(field.dtype).itemsize == 8 else field.dtype for field in FIELDS.values()}:
@@ -125,7 +124,7 @@ def compile_for_ranks() -> None:
 
 @kernel
 def _take(root: Floats, place: int, values: Array, which: Ints) -> None:
-    """Copy some rows of values to the columns of root from `place` on."""
+    """Copy rows `which` of values to the columns of root from `place` on."""
     for k in range(len(which)):
         for column in range(values.shape[1]):
             root[k, place + column] = values[which[k], column]
@@ -153,20 +152,19 @@ def _star_forest(comm: MPI.Comm, n_roots: int, owner: Ints, root: Ints) -> Any:
 
 def senders(x: Floats, cells: Ints, partition: Partition, width: float,
             rank: int) -> tuple[Ints, Ints]:
-    """Find which ranks need ghosts of which particles. Not collective.
+    """Find the ranks that need ghosts of this rank's particles. Not collective.
 
     Parameters
     ----------
     x : (n_owned, dim) positions [m]
-    cells : (n_owned,) int64, keys of their cells; fast if they are sorted
+    cells : (n_owned,) int64, keys of their cells; faster if sorted
     partition : Partition
     width : float [m]
-    rank : int, this one
+    rank : int, of the owner
 
     Returns
     -------
-    ranks, which : (m,) int64, rank `ranks[k]` needs particle `which[k]`; sorted by rank, then
-        by particle
+    ranks, which : (m,) int64, rank `ranks[k]` needs particle `which[k]`; sorted by rank, then by particle
     """
     pairs = _senders(x, cells, partition.splitters, width, rank, partition.grid)
     order = np.argsort(pairs[:, 0], kind="stable")
@@ -178,8 +176,8 @@ def _senders(x: Floats, cells: Ints, splitters: Ints, width: float, rank: int, g
     n, dim = x.shape
     pairs = np.empty((n // 8 + 64, 2), np.int64)
     found = 0
-    offsets = np.empty((3**dim, dim), np.int64)  # of the surrounding cells that other ranks own
-    owners = np.empty(3**dim, np.int64)          # of these cells
+    offsets = np.empty((3**dim, dim), np.int64)  # of surrounding cells of other ranks
+    owners = np.empty(3**dim, np.int64)
     cell = np.empty(dim, np.int64)
     end = 0
     while end < n:
@@ -241,7 +239,7 @@ def _is_near(point: Floats, cell: Ints, offset: Ints, width: float, grid: Grid) 
 
 @subkernel
 def _told(pairs: Ints, found: int, i: int, owner: int) -> bool:
-    """Return whether the pair of this owner and this particle has just been listed."""
+    """Return whether the pair of this owner and this particle is already listed."""
     k = found - 1
     while k >= 0 and pairs[k, 1] == i:
         if pairs[k, 0] == owner:

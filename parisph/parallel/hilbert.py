@@ -1,11 +1,10 @@
 """Hilbert's space-filling curve in any dimension: neighbours on the curve are neighbours in space.
 
-The curve through a grid of 2^bits cells per side is built from the coarsest level to the finest.
-At each level it visits the 2^dim corners of a cube in the order of a Gray code, in one of a few
-orientations. The key is therefore computed by a small state machine: the state is the orientation,
-the input is the corner that a cell lies in, the output is that corner's place on the curve and the
-next state (C. Hamilton, Compact Hilbert Indices, Dalhousie University CS-2006-07, Sec. 2). The
-leading digits of a key are the key of the coarser cell that contains the cell.
+The curve through a grid of 2^bits cells per side is built from the coarsest level to the finest. At each level it
+visits the 2^dim corners of a cube in the order of a Gray code, in one of a few orientations. So a small state machine
+computes the key: the state is the orientation, the input is the corner of a cell, the output is the place of this
+corner on the curve and the next state (C. Hamilton, Compact Hilbert Indices, Dalhousie University CS-2006-07, Sec. 2).
+The leading digits of a key are the key of the coarser cell that contains the cell.
 """
 
 from functools import lru_cache
@@ -15,7 +14,7 @@ import numpy as np
 from parisph.base.arrays import Ints
 from parisph.kernels.jit import subkernel
 
-KEY_BITS = 62  # bits in a key; int64 also holds the key one past the last
+KEY_BITS = 62  # bits in a key; int64 also represents the key one past the last
 
 
 @lru_cache(maxsize=None)
@@ -58,12 +57,12 @@ def _gray_inverse(code: int) -> int:
 
 
 def _entry(w: int) -> int:
-    """Corner at which the curve enters sub-cube w."""
+    """Return the corner at which the curve enters sub-cube w."""
     return _gray(2 * ((w - 1) // 2)) if w else 0
 
 
 def _direction(w: int, dim: int) -> int:
-    """Axis along which the curve crosses sub-cube w."""
+    """Return the axis along which the curve crosses sub-cube w."""
     if w == 0:
         return 0
     i, ones = (w if w % 2 else w - 1), 0

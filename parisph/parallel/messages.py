@@ -21,7 +21,7 @@ def record_type(names: Sequence[str], dim: int, extra: Sequence[tuple[str, type]
 
 def pack(particles: Particles, names: Sequence[str], which: Ints,
          extra: Sequence[tuple[str, type]] = ()) -> Array:
-    """Return the records of the owned particles `which` (n,), with `extra` parts left undefined."""
+    """Return the records of the owned particles `which` (n,), with `extra` parts undefined."""
     records = np.empty(len(which), record_type(names, particles.dim, extra))
     for name in names:
         records[name] = getattr(particles, name)[which]
@@ -40,18 +40,18 @@ def exchange(comm: MPI.Comm, records: Array, counts: Ints) -> tuple[Array, Ints]
     Parameters
     ----------
     records : (n,) of any record type, the same on all ranks; sorted by destination
-    counts : (ranks,) how many of them each rank gets
+    counts : (ranks,) records for each rank
 
     Returns
     -------
-    received : records, sorted by the rank they come from
-    senders : (ranks,) how many came from each rank
+    received : records, sorted by sender
+    senders : (ranks,) records from each rank
     """
     counts = np.ascontiguousarray(counts, dtype=np.int64)
     senders = np.empty_like(counts)
     comm.Alltoall(counts, senders)
     received = np.empty(senders.sum(), records.dtype)
-    # Counting in records lets a message be larger than 2 GB.
+    # Counts of records, not bytes, allow messages above 2 GB.
     kind = MPI.BYTE.Create_contiguous(records.dtype.itemsize).Commit()
     requests = [comm.Irecv(message, rank, _TAG) for rank, message in _messages(received, senders, kind)]
     requests += [comm.Isend(message, rank, _TAG) for rank, message in _messages(records, counts, kind)]
@@ -61,7 +61,7 @@ def exchange(comm: MPI.Comm, records: Array, counts: Ints) -> tuple[Array, Ints]
 
 
 def _messages(records: Array, counts: Ints, kind: MPI.Datatype) -> Iterator[tuple[int, list[Any]]]:
-    """Yield (rank, message) for each rank with records, in the form that mpi4py takes."""
+    """Yield (rank, message) for each rank with records, in mpi4py's form."""
     ends = np.cumsum(counts)
     for rank in np.flatnonzero(counts):
         part = records[ends[rank] - counts[rank]:ends[rank]]

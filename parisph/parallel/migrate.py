@@ -13,13 +13,13 @@ def migrate(particles: Particles, owners: Ints) -> int:
     Parameters
     ----------
     particles : Particles; ghosts are dropped; particles that stay keep their order and come first
-    owners : (n_owned,) the rank that each belongs to
+    owners : (n_owned,) the rank of each particle
 
-    Fields that do not migrate are set to their default on the particles that have moved.
+    Fields that do not migrate get their default on particles that have moved.
 
     Returns
     -------
-    int, the number of particles that arrived; they come last
+    int, the number of arrived particles, which come last
     """
     comm = particles.comm
     names = particles.fields.migrating

@@ -12,29 +12,28 @@ from parisph.base.fields import EVERY, FieldSet
 from parisph.kernels.jit import axes_of
 from parisph.kernels.records import Cloud
 
-GROWTH = 1.2  # spare room when arrays must grow, so that ghosts coming and going do not reallocate
+GROWTH = 1.2  # spare room of arrays, so changes in the number of ghosts do not reallocate
 
 
 class Particles:
     """One array per field of the scene, the owned particles first, then the ghosts.
 
-    For each name in `fields`, for example u: `p.u` is the view of the owned particles,
-    (n_owned,) or (n_owned, dim), and `p.u_all` that of owned and ghost particles, (n_all, ...),
-    in the units of the registry. Ghosts are copies of other ranks' particles; only the halo
-    writes them. `p.u = values` copies into the view. Views are stale after `assign` and after a
-    redistribution.
+    For each name in `fields`, for example u: `p.u` is the view of the owned particles, (n_owned,) or (n_owned, dim),
+    and `p.u_all` that of owned and ghost particles, (n_all, ...), in the units of the registry. Ghosts are copies of
+    other ranks' particles; only the halo writes them. `p.u = values` copies into the view. Views are stale after
+    `assign` and after a redistribution.
 
     Attributes
     ----------
     comm, dim, fields
     n_owned, n_ghost, n_all : int, on this rank
     offset : int, global row of the first owned particle; the rows of a rank are contiguous
-    offsets : (ranks + 1,) int64, the offsets of all ranks, with the total at the end
+    offsets : (ranks + 1,) int64, offsets of all ranks, and the total
     n_global : int, over all ranks
-    n_assigned : int, how often `assign` has replaced all particles
+    n_assigned : int, number of calls of `assign`
     """
 
-    comm: Any    # mpi4py's, or what stands for one in a test
+    comm: Any    # mpi4py's, or a stand-in of a test
     dim: int
     fields: FieldSet
     n_owned: int
@@ -67,17 +66,17 @@ class Particles:
         view = vars(self).get(name)
         if name not in self.fields and name.removesuffix("_all") not in self.fields:
             object.__setattr__(self, name, values)
-        elif view is not None and values is not view:  # `p.u += a` has already worked in place
+        elif view is not None and values is not view:  # `p.u += a` has already changed it in place
             view[...] = values
 
     def __getattr__(self, name: str) -> Array:
-        # only asked for what is not there
+        # called only for missing names
         raise AttributeError(f"these particles have no {name!r}: no part of the scene's method declares such a field")
 
     # -- contents --------------------------------------------------------------------------
 
     def assign(self, arrays: Mapping[str, Array]) -> None:
-        """Replace all particles; fields not given get their default, ghosts are dropped. Collective.
+        """Replace all particles; missing fields get their default, ghosts are dropped. Collective.
 
         Parameters
         ----------
@@ -111,16 +110,15 @@ class Particles:
     def renumber(self) -> None:
         """Update the global rows after the number of owned particles has changed. Collective."""
         counts = np.array([self.n_owned])
-        if self.comm.size > 1:    # numbers, not objects: thousands of ranks would take milliseconds to read these
+        if self.comm.size > 1:    # numbers, as thousands of ranks would take milliseconds to read objects
             counts = np.empty(self.comm.size, np.int64)
             self.comm.Allgather(np.array([self.n_owned], np.int64), counts)
         self.offsets[1:] = np.cumsum(counts)
 
     def resize(self, n_owned: int, n_ghost: int) -> None:
-        """Set how many particles this rank has. Owned ones are kept, up to the new number.
+        """Set the numbers of particles of this rank. Owned ones are kept, up to the new number.
 
-        The contents of added particles and of all ghosts are undefined. Not collective: call
-        `renumber` after the number of owned ones has changed.
+        Added particles and all ghosts are undefined. Not collective: call `renumber` after a change of n_owned.
         """
         self._reserve(n_owned + n_ghost)
         self.n_owned, self.n_ghost = n_owned, n_ghost
@@ -133,7 +131,7 @@ class Particles:
         self.resize(len(order), 0)
 
     def cloud(self, indptr: Array, indices: Array, spacing: float) -> Cloud:
-        """Return the record that kernels take, with these CSR lists of neighbours."""
+        """Return the record for kernels, with these CSR lists of neighbours."""
         return Cloud(self.x_all, self.kind_all, self.role_all, self.normal_all, self.corner_all, self.volume_all,
                      indptr, indices, spacing, axes_of(self.dim))
 
@@ -149,7 +147,7 @@ class Particles:
                 self._store[name] = new
 
     def _expose(self) -> None:
-        """Make the views plain attributes, which are fast to read."""
+        """Set the views as plain attributes, which are fast to read."""
         for name, array in self._store.items():
             vars(self)[name] = array[:self.n_owned]
             vars(self)[f"{name}_all"] = array[:self.n_all]

@@ -10,7 +10,7 @@ from parisph.base.arrays import Floats, Ints
 from parisph.kernels.jit import kernel, subkernel
 from parisph.parallel.hilbert import KEY_BITS, key_of, machine
 
-SORT_LEVELS = 2   # particles are sorted by cells finer than those that ranks own, by this many levels
+SORT_LEVELS = 2   # particles are sorted by cells this many levels finer than those of ranks
 
 
 class Grid(NamedTuple):
@@ -19,7 +19,7 @@ class Grid(NamedTuple):
     Attributes
     ----------
     origin : (dim,) lower corner [m]
-    size : float, side of a cell, at least the halo's width [m]
+    size : float, side of a cell, at least the width of the halo [m]
     bits : int; there are 2^bits cells along each axis
     fine : int; a fine key has this many levels below the cell, to sort particles inside it
     place, following : tables of the Hilbert curve through the cells (hilbert.machine)
@@ -37,7 +37,7 @@ class Grid(NamedTuple):
         """Return the grid over a box, (dim,) corners [m], with cells at least `width` [m] wide."""
         dim = len(lower)
         extent = max(float(np.max(upper - lower)), width)
-        needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1: keeps particles off the far border
+        needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1 keeps particles off the far border
         bits = min(needed, KEY_BITS // dim)
         return cls(np.array(lower, float), width * 2.0 ** (needed - bits), bits,
                    min(SORT_LEVELS, KEY_BITS // dim - bits), *machine(dim))
@@ -57,7 +57,7 @@ class Grid(NamedTuple):
         return self.origin + self.size * 2.0**self.bits
 
     def keys(self, x: Floats) -> Ints:
-        """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
+        """Return the fine keys (n,) int64 of positions (n, dim) [m], for sorting."""
         keys = np.empty(len(x), np.int64)
         _position_keys(keys, x, self)
         return keys
@@ -87,7 +87,7 @@ def _position_keys(keys: Ints, x: Floats, grid: Grid) -> None:
 
 @dataclass(frozen=True)
 class Partition:
-    """Ranges of cells, one for each rank, some perhaps empty.
+    """Ranges of cells, one for each rank, possibly empty.
 
     Attributes
     ----------
@@ -106,13 +106,12 @@ class Partition:
 def split(comm: MPI.Comm, cells: Ints, weights: Ints, end: int) -> Ints:
     """Divide the curve into one range per rank, of equal weight as far as cells allow. Collective.
 
-    Finds all cuts at once by bisection of the range of keys. Each round needs one sum over the ranks,
-    of a vector with one entry per cut, and moves no particles.
+    Finds all cuts at once by bisection of the keys. Each round sums one vector, with an entry per cut, over the ranks.
 
     Parameters
     ----------
-    cells : (n,) int64 keys of this rank's particles' cells, in any order
-    weights : (n,) int64, theirs: integers, so that sums are exact
+    cells : (n,) int64 keys of the cells of this rank's particles, in any order
+    weights : (n,) int64, of the particles; sums of integers are exact
     end : int, one past the last key
 
     Returns

@@ -1,11 +1,9 @@
 """PETSc, started without the option files of the current folder.
 
-By itself PETSc reads `.petscrc` and `petscrc` of the folder that a program is started in, and an
-option there may load any library (`-dll_append`): a folder from elsewhere would run code even when
-its cases are only checked. What the user has set stays: `PETSC_OPTIONS`, and `~/.petscrc`.
-
-The import is collective over all ranks, as the start of PETSc is. A program that has started
-PETSc itself keeps what it has.
+By default PETSc reads `.petscrc` and `petscrc` in the current folder, and an option there may load any library
+(`-dll_append`): a foreign folder would run code even when its cases are only checked. The user's `PETSC_OPTIONS` and
+`~/.petscrc` stay valid. The import is collective over all ranks, like the start of PETSc. A running PETSc does not
+change.
 """
 
 import ctypes
@@ -22,25 +20,25 @@ from mpi4py import MPI
 from parisph.parallel.guard import Guard
 
 VARIABLE = "PETSC_OPTIONS"
-LARGE = 2**25    # bytes, the largest limit that malloc takes
+LARGE = 2**25    # bytes, the largest limit that malloc accepts
 _M_MMAP_THRESHOLD, _M_MMAP_MAX = -3, -4    # of malloc.h
 
 petsc4py_version = petsc4py.__version__
 
 
 def _file_of_the_user() -> str | None:
-    """Return the path of ~/.petscrc, None where there is none or the home folder is the current one."""
+    """Return the path of ~/.petscrc, or None if it is missing or home is the current folder."""
     try:
         home = Path.home()
         file = home / ".petscrc"
         return str(file) if file.is_file() and not home.samefile(Path.cwd()) else None
-    except (OSError, RuntimeError):    # no home, or a folder that has been removed
+    except (OSError, RuntimeError):    # no home, or a removed folder
         return None
 
 
 @contextmanager
 def _read_first(file: str | None) -> Iterator[None]:
-    """Let PETSc read an option file before the rest of PETSC_OPTIONS, which wins, as it does over ~/.petscrc."""
+    """Let PETSc read an option file before the rest of PETSC_OPTIONS, which overrides it, as it does ~/.petscrc."""
     before = os.environ.get(VARIABLE)
     if file is not None:
         os.environ[VARIABLE] = f'-options_file "{file}" {before or ""}'
@@ -55,7 +53,7 @@ def _read_first(file: str | None) -> Iterator[None]:
 
 @contextmanager
 def _pipes_left_alone() -> Iterator[None]:
-    """Take SIGPIPE back from PETSc, which would end the run as soon as the reader of its output leaves."""
+    """Restore the handler of SIGPIPE: PETSc's would end the run when the reader of its output ends."""
     before = signal.getsignal(signal.SIGPIPE)
     yield
     if before is not None:
@@ -64,10 +62,10 @@ def _pipes_left_alone() -> Iterator[None]:
 
 
 def _give_large_arrays_back() -> None:
-    """Let malloc of glibc return arrays above LARGE to the system when they are freed, unless the user has set it.
+    """Let glibc's malloc return freed arrays above LARGE to the system, unless the user has configured it.
 
-    Once PETSc is loaded, malloc keeps all that it ever had, in pieces that often fit nothing else: half a million
-    particles on a rank then take a fifth more memory between solves. For small arrays this saves time.
+    Once PETSc is loaded, malloc keeps all freed memory, in pieces that often fit no other array: half a million
+    particles on a rank then take a fifth more memory between solves. For small arrays keeping it saves time.
     """
     if any(name.startswith(("MALLOC_", "GLIBC_TUNABLES")) for name in os.environ):
         return
@@ -78,11 +76,11 @@ def _give_large_arrays_back() -> None:
 
 
 if "petsc4py.PETSc" not in sys.modules:
-    # one rank looks: PETSc reads the file on all of them together, or on none
+    # the answer of one rank: all ranks must read the file, or none
     with _pipes_left_alone(), _read_first(MPI.COMM_WORLD.bcast(_file_of_the_user())):
         petsc4py.init(["-skip_petscrc"])
     _give_large_arrays_back()
 
-Guard.watch(MPI.COMM_WORLD)    # all ranks are here, and one may end before its first call
+Guard.watch(MPI.COMM_WORLD)    # on all ranks: one may end before its first call
 
 from petsc4py import PETSc as PETSc  # noqa: E402

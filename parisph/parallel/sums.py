@@ -1,4 +1,4 @@
-"""Sums of whole numbers over the ranks, in one message."""
+"""Sums of integers over the ranks, in one message."""
 
 from typing import Any
 
@@ -6,11 +6,9 @@ import numpy as np
 
 
 def sums(comm: Any, *numbers: int) -> list[int]:
-    """Return the sums of some whole numbers over the ranks. Collective.
+    """Return the sums of integers over the ranks. Collective.
 
-    In one call of MPI; Python's objects would be added on their way, rank after rank.
-
-    comm : mpi4py communicator
+    One MPI call of numbers; sums of Python objects are slow. comm : mpi4py communicator
     """
     if comm.size == 1:
         return [int(number) for number in numbers]

@@ -1,4 +1,4 @@
-"""How far particles have moved since the last plan and the last lists, and whether any is lost."""
+"""The moves of particles since the last plan and the last lists, and lost particles."""
 
 from dataclasses import dataclass
 
@@ -13,11 +13,11 @@ from parisph.parallel.particles import Particles
 
 @dataclass(frozen=True)
 class Survey:
-    """How far particles have moved, in metres; largest values over all particles of all ranks.
+    """Moves of particles [m]; largest values over all particles of all ranks.
 
     plan_drift, list_drift : distance moved from the plan's and from the lists' positions
     stray : distance outside the grid of cells
-    mean_drift : distance moved from the plan's positions, in the root mean square of this rank's particles
+    mean_drift : root mean square distance from the plan's positions, of this rank's particles
     """
 
     plan_drift: float
@@ -32,7 +32,7 @@ def survey(particles: Particles, plan_x: Floats | None, list_x: Floats | None,
 
     Parameters
     ----------
-    plan_x, list_x : (n_owned, dim) earlier positions [m], or None: then that drift is infinite
+    plan_x, list_x : (n_owned, dim) earlier positions [m], or None for an infinite drift
     grid : (lower, upper), (dim,) corners [m]
     tank : (lower, upper) or None; a particle outside of it is lost
 

@@ -1,4 +1,4 @@
-"""The walls of a scene as elements on one rank: where they are now, and which of them each particle sees."""
+"""The walls of a scene as elements on one rank: their current positions, and those that each particle sees."""
 
 from collections.abc import Sequence
 
@@ -15,29 +15,30 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.records import no_walls
 from parisph.parallel.particles import Particles
 
+MARGIN = 0.5     # spacings that a particle may move before elements near it are looked for again, if walls rest
 NO_ROOM = 0.4    # spacings in front of a wall that moves: nodes of others there are dry, as no particle fits between
 
 
 class WallElements:
     """The elements near the particles of this rank. Nothing here is collective.
 
-    Every rank knows the whole mesh of the walls, which are rigid: it needs no messages to know where they are.
+    Every rank has the whole mesh of the walls, which are rigid, so it needs no messages to move them.
 
     Parameters
     ----------
     mesh : WallMesh
-    first : id of the particle that is the mesh's first node; the others follow in its order
+    first : particle id of the first node of the mesh; the others follow in order
     spacing : [m]
-    movers : those of the bodies, by the number of their motion; number 0 is rest
+    movers : of the bodies, by the number of their motion; number 0 is rest
 
     Attributes
     ----------
-    x, normal, u, a, turn : (N, dim), of all nodes place [m], normal, velocity [m/s], acceleration [m/s^2], and the rate
-        at which the normal turns [1/s]
-    moves : (N,) bool, nodes of walls that move
-    walls : the elements near this rank's particles (kernels.records.Walls), and those that each owned particle sees;
-        velocity, acceleration : (M, dim), of these; motion : (M,) int, the number of the motion of each
-    nodes : (M, dim) int32, the local particles at their corners, -1 for those of other ranks that are no ghosts here
+    x, normal, u, a, turn : (N, dim), of all nodes: position [m], normal, velocity [m/s], acceleration [m/s^2], rotation
+    rate [1/s]
+    moves : (N,) bool, nodes of moving walls
+    walls : the elements near this rank's particles (kernels.records.Walls), with the lists of those that each owned
+        particle sees; velocity, acceleration : (M, dim), of these elements; motion : (M,) int, number of their motion
+    nodes : (M, dim) int32, the local particles at their corners, -1 for particles not on this rank
     """
 
     def __init__(self, mesh: WallMesh, first: int, spacing: float, movers: Sequence[Mover] = ()) -> None:
@@ -51,29 +52,30 @@ class WallElements:
         self._near = np.zeros(0, np.int64)
         self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
         self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self._searched: Floats | None = None    # places of particles at the last search
         self._mean = self.u
         self._place()
 
     @property
     def edges(self) -> Array:
-        """What edges the corners of the elements near this rank's particles are, (M, dim) int8 (geometry.mesh)."""
+        """Kinds of edges (geometry.mesh) at the corners of the elements near this rank's particles, (M, dim) int8."""
         edges: Array = self.mesh.edge[self.mesh.elements[self._near]]
         return edges
 
     def before_moving(self, particles: Particles) -> Floats:
-        """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
+        """Return the distance (n_owned,) [m] of wall particles from walls with another motion, 0 behind these."""
         p = particles
-        found, own = np.full(p.n_owned, np.inf), np.full(p.n_owned, self.motion.max(initial=0))    # fluid is left out
+        found, own = np.full(p.n_owned, np.inf), np.full(p.n_owned, self.motion.max(initial=0))    # none for fluid
         walls = p.kind == WALL
         own[walls] = self.node_motion[p.id[walls] - self.first]
         wetness.before_moving_walls(found, p.x, own, self.walls, self.motion, axes_of(p.dim))
         return found
 
     def without_room(self, particles: Particles) -> Flags:
-        """Return which wall particles (n_owned,) are dry because fluid has no room in front of them.
+        """Return which wall particles (n_owned,) bool are dry because fluid has no room in front of them.
 
-        They are the nodes before and behind a wall that moves, and those at the ends of lines of elements, as the foot
-        of a wavemaker. The pressure of the water beside them goes on up to there, though they have none.
+        These are nodes close to a moving wall or behind it, and ends of lines of elements, like the foot of a
+        wavemaker. They have no pressure, but that of the water beside them extends to them.
         """
         p = particles
         found = np.zeros(p.n_owned, bool)
@@ -89,24 +91,23 @@ class WallElements:
         return bool(self._moving)
 
     def let_move(self, name: str, mover: Mover) -> None:
-        """Let a mover move a body, and those that share its motion, instead of that motion from the next step on.
+        """Let a mover replace the motion of a body, and of bodies with the same motion, from the next step on.
 
-        The motion in the case still says how far the scene reaches, and where probes and pictures look for the body.
-        Call it on all ranks. Raises CaseError, on all of them, if no body of this name moves.
+        The extent of the scene, probes and pictures still use the motion in the case. Call it on all ranks. Raises
+        CaseError on all of them if no body of this name moves.
         """
         moving = {body.name: body.motion for body in self.mesh.bodies if body.motion}
         if name not in moving:
             raise CaseError(f"let_move: no body {name!r} moves (those that do: {', '.join(moving) or 'none'}); give it "
-                            "a motion in the case, which says how far it goes")
+                            "a motion in the case, which sets its range")
         self._moving[moving[name]] = mover, self._moving[moving[name]][1]
 
-    # -- where they are --------------------------------------------------------------------
+    # -- positions -------------------------------------------------------------------------
 
     def place(self, at: float, start: float, stop: float) -> None:
-        """Put walls where they are at a time [s], in a step from start to stop [s], which may be the same instant.
+        """Move walls to their positions at time `at` [s], in a step from start to stop [s], possibly of length 0.
 
-        The velocity of nodes is that at the start, that of elements the mean of the step; the acceleration is that
-        which changes the velocity by its change in the step.
+        Nodes have the velocity at the start, elements the mean of the step. The acceleration is the mean of the step.
         """
         mean = self.u.copy()
         for mover, own in self._moving.values():
@@ -116,7 +117,7 @@ class WallElements:
         self._place()
 
     def put(self, particles: Particles) -> None:
-        """Write place, normal and area of the wall particles of this rank, ghosts included, and their own velocity."""
+        """Write position, normal and area of wall particles of this rank, with ghosts, and velocity of owned ones."""
         p = particles
         here, node = self._here(p.kind_all, p.id_all)
         p.x_all[here], p.normal_all[here] = self.x[node], self.normal[node]
@@ -125,40 +126,40 @@ class WallElements:
         p.wall_u[here] = self.u[node]
 
     def of_particles(self, values: Floats, particles: Particles) -> Floats:
-        """Return values (N, dim) of nodes at the owned particles that are nodes of moving walls, 0 at others."""
+        """Return the values (N, dim) of nodes at owned particles (n_owned, dim), 0 except at nodes of moving walls."""
         found = np.zeros_like(particles.x)
         here, node = self._here(particles.kind, particles.id)
         found[here] = values[node]
         return found
 
     def of_walls(self, particles: Particles) -> tuple[Ints, Floats, Floats, Floats]:
-        """Return which particles are nodes of moving walls, ghosts included: (m,), and their a, turn and u (m, dim)."""
+        """Return the particles (m,) that are nodes of moving walls, with ghosts, and their a, turn and u (m, dim)."""
         here, node = self._here(particles.kind_all, particles.id_all)
         return here, self.a[node], self.turn[node], self.u[node]
 
     def _here(self, kind: Array, number: Ints) -> tuple[Ints, Ints]:
-        """Return which particles are nodes of moving walls, and which nodes these are."""
+        """Return the particles (m,) that are nodes of moving walls, and their nodes (m,)."""
         here = np.flatnonzero(kind == WALL)
         node = number[here] - self.first
         return here[self.moves[node]], node[self.moves[node]]
 
     def longest_step(self, time: float, cfl: float) -> float:
-        """Return the longest step [s] after a time [s] in which no wall moves by more than cfl spacings."""
+        """Return the longest step [s] after a time [s] in which walls move by at most cfl spacings."""
         return min((mover.longest_step(self.mesh.x0[own], time, cfl * self.spacing)
                     for mover, own in self._moving.values()), default=np.inf)
 
-    # -- which are near --------------------------------------------------------------------
+    # -- near elements ---------------------------------------------------------------------
 
     def settle(self, particles: Particles, width: float) -> None:
         """Choose the elements within the width [m] of owned particles, after these have changed ranks or order."""
-        p, corners = particles, self.mesh.corners(self.x)
+        p, corners, self._searched = particles, self.mesh.corners(self.x), None
         self._near = np.zeros(0, np.int64)
         if p.n_owned:
             lower, upper = p.x.min(axis=0) - width, p.x.max(axis=0) + width
             near = (corners.min(axis=1) <= upper).all(axis=1) & (corners.max(axis=1) >= lower).all(axis=1)
             self._near = np.flatnonzero(near)
         local = np.full(len(self.x), -1, np.int32)
-        walls = np.flatnonzero((p.kind_all == WALL) & (len(self.x) > 0))    # without elements they are of no mesh
+        walls = np.flatnonzero((p.kind_all == WALL) & (len(self.x) > 0))    # without elements there is no mesh
         local[p.id_all[walls] - self.first] = walls
         self.nodes = local[self.mesh.elements[self._near]]
         self._place()
@@ -178,11 +179,13 @@ class WallElements:
 
     def renew(self, particles: Particles, radius: float) -> None:
         """Find the elements that may come within the radius [m] of owned particles until the next call."""
-        self._candidates = solids.near_lists(particles.x, self.walls.corners, radius)
+        x, known, margin = particles.x, self._searched, MARGIN * self.spacing
+        if self.moving or known is None or np.max(np.abs(x - known), initial=0.0) > margin / self.mesh.dim:
+            self._candidates = solids.near_lists(x, self.walls.corners, radius + margin)
+            self._searched = x.copy()
 
     def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
-        """Make the lists of the elements within the radius [m] of owned particles, as they are now; return neighbour
-        lists without what is behind a wall."""
+        """Update the lists of elements within a radius [m]; return neighbour lists without particles behind walls."""
         cloud = particles.cloud(indptr, indices, self.spacing)
         near, others = self._candidates
         self.walls, free = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)
@@ -191,7 +194,7 @@ class WallElements:
     def mean_of_nodes(self, values: Floats) -> Floats:
         """Return the mean over the corners of each element (M,) of values (n_all,) of particles.
 
-        Corners at which there is no particle here do not count: their elements are far from all owned particles.
+        Corners without a particle on this rank do not count: their elements are far from owned particles.
         """
         mean = np.empty(len(self.nodes))
         wetness.mean_of_nodes(mean, self.nodes, values)

@@ -1,11 +1,10 @@
 """Find groups of unknowns without a link to a known pressure, before the solve.
 
-The rows of the pressure equation are weakly diagonally dominant: their entries sum to zero, except
-in anchored rows (identity rows, and rows from which a neighbour with p = 0 was dropped). Such a
-matrix is regular if and only if every row leads, along its entries, to an anchored row (Shivakumar
-& Chew 1974, on weakly chained diagonal dominance). Entries are followed from row to column only,
-because the matrix is not symmetric: the row of a wall particle may contain a fluid particle whose
-own row does not contain the wall particle.
+The rows of the pressure equation are weakly diagonally dominant: their entries sum to zero, except in anchored rows
+(identity rows, and rows from which a neighbour with p = 0 was dropped). Such a matrix is regular if and only if every
+row leads, along its entries, to an anchored row (Shivakumar & Chew 1974, on weakly chained diagonal dominance). Entries
+are followed from row to column only, because the matrix is not symmetric: the row of a wall particle may contain a
+fluid particle whose row does not contain the wall particle.
 """
 
 import numpy as np
@@ -22,18 +21,14 @@ _Spans = list[tuple[int, slice]]    # ranks, each with a part of an array
 def isolated_rows(comm: MPI.Comm, offset: int, indptr: Array, indices: Array, anchored: Flags) -> tuple[Flags, int]:
     """Return which rows lead to no anchored row. Collective.
 
-    Such rows lead only to each other. Fixing p in one row of each group makes the equation
-    regular and leaves all other rows as they are.
+    These lead only to each other. Fixing p in one row of each group makes the matrix regular.
 
     Parameters
     ----------
     comm : mpi4py communicator
-    offset : int
-        Global number of this rank's first row; rows are numbered contiguously, rank by rank.
-    indptr : (n_owned + 1,) int, indices : (nnz,) int
-        This rank's rows as CSR with global columns.
-    anchored : (n_owned,) bool
-        Rows with a known pressure, or with a neighbour whose pressure is known.
+    offset : int, global number of this rank's first row; rows are numbered contiguously, rank by rank
+    indptr : (n_owned + 1,) int, indices : (nnz,) int; this rank's rows as CSR with global columns
+    anchored : (n_owned,) bool, rows with a known pressure, or with a neighbour of known pressure
 
     Returns
     -------
@@ -60,18 +55,18 @@ def isolated_rows(comm: MPI.Comm, offset: int, indptr: Array, indices: Array, an
 
 
 def highest(comm: MPI.Comm, candidates: Flags, x: Floats, force: Floats, ids: Array, rounding: float) -> Flags:
-    """Return which candidate lies farthest against their mean body force, one of all ranks. Collective.
+    """Return the candidate farthest against their mean body force, one on all ranks. Collective.
 
     Parameters
     ----------
     candidates : (n_owned,) bool
     x : (n_owned, dim) [m], force : (n_owned, dim) [m/s^2]
-    ids : (n_owned,) int, which decide between particles as high as each other
-    rounding : float [m], heights are rounded to, so that the choice does not depend on the number of ranks
+    ids : (n_owned,) int, which decide between equal heights
+    rounding : [m], heights are rounded to it, so the choice does not depend on the number of ranks
 
     Returns
     -------
-    chosen : (n_owned,) bool, True for one particle on one rank; for none if there is no candidate
+    chosen : (n_owned,) bool, True for one particle on one rank, or none without candidates
     """
     mean = comm.allreduce(force[candidates].sum(axis=0))
     length = float(np.linalg.norm(mean))
@@ -108,8 +103,8 @@ def _spread_over_ranks(comm: MPI.Comm, offset: int, reached: Flags, pending: Arr
 class _Lookup:
     """Reads the marks of rows on other ranks; the addresses are exchanged once.
 
-    Only ranks that have rows for each other exchange messages: there are as many rounds as ranks between the surface
-    and the row farthest from it, and an Alltoallv costs a message for every rank there is.
+    Only ranks with rows for each other exchange messages, as an Alltoallv sends one to every rank. There are as many
+    rounds as ranks between the surface and the row farthest from it.
     """
 
     def __init__(self, comm: MPI.Comm, offset: int, n: int, remote: Ints) -> None:
@@ -120,7 +115,7 @@ class _Lookup:
         bad = remote.size and not 0 <= remote[0] <= remote[-1] < total
         agree(comm, ParisphError(f"a pressure row refers to column {remote[0]} or {remote[-1]} of {total}")
               if bad else None)
-        # Ranks without rows have the same first row as the next rank: take the last of these.
+        # Ranks without rows have the same first row as the next rank: take the last one.
         owner = np.searchsorted(spans[:, 0], remote, side="right") - 1
         asked = np.bincount(owner, minlength=comm.size)
         wanted = np.empty_like(asked)
@@ -143,6 +138,6 @@ class _Lookup:
 
 
 def _parts(counts: Ints) -> _Spans:
-    """Return (rank, slice) of each rank with entries in an array that is ordered by rank, (ranks,) entries each."""
+    """Return (rank, slice) of each rank with entries in an array ordered by rank; counts : (ranks,)."""
     ends = np.cumsum(counts)
     return [(int(rank), slice(ends[rank] - counts[rank], ends[rank])) for rank in np.flatnonzero(counts)]

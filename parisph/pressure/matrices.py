@@ -1,4 +1,4 @@
-"""PETSc's matrices from rows in arrays, which they use as they are."""
+"""PETSc matrices that use arrays of rows without copies."""
 
 import ctypes
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from parisph.kernels.row import sort_rows, split_rows
 from parisph.parallel.petsc import PETSc
 
 _INT = ctypes.c_int64 if np.dtype(PETSc.IntType).itemsize == 8 else ctypes.c_int32
-# a handle is a pointer in some libraries and a whole number in others
+# a handle is a pointer in some MPI libraries and an integer in others
 _HANDLE = ctypes.c_void_p if MPI._sizeof(MPI.Comm) == ctypes.sizeof(ctypes.c_void_p) else ctypes.c_int
 _Create = Callable[[MPI.Comm, int, int, tuple[Array, ...]], PETSc.Mat]
 
@@ -20,43 +20,41 @@ _Create = Callable[[MPI.Comm, int, int, tuple[Array, ...]], PETSc.Mat]
 def matrix_of(rows: PETSc.Vec, indptr: Array, columns: Array, values: Floats) -> PETSc.Mat:
     """Return the matrix of these rows. Collective.
 
-    On one rank the entries of each row are sorted in place. On several, the arrays then hold the block of own columns.
+    On one rank the entries of rows are sorted in place. On several, the arrays become the block of own columns.
 
     Parameters
     ----------
-    rows : PETSc.Vec
-        A vector with the same rows on each rank.
+    rows : PETSc.Vec with the same rows on each rank
     indptr : (n + 1,) PETSc.IntType, columns : (nnz,) PETSc.IntType, values : (nnz,) float
         This rank's rows as CSR with global columns; the matrix keeps the arrays.
     """
-    sort_rows(indptr, columns, values)    # without, PETSc takes many times as long
+    sort_rows(indptr, columns, values)    # PETSc takes many times as long for unsorted rows
     if rows.comm.size > 1 and _create is not None:
         return _from_blocks(_create, rows, indptr, columns, values)
     return PETSc.Mat().createAIJWithArrays((rows.sizes, rows.sizes), (indptr, columns, values), comm=rows.comm)
 
 
 def compile_for_ranks() -> None:
-    """Compile what only several ranks need, or load it. Not collective."""
+    """Compile or load the kernels that only several ranks need. Not collective."""
     split_rows(np.zeros(1, PETSc.IntType), np.zeros(0, PETSc.IntType), np.zeros(0), 0, 0)
 
 
 def _from_blocks(create: _Create, rows: PETSc.Vec, indptr: Array, columns: Array, values: Floats) -> PETSc.Mat:
-    """Return the matrix of sorted rows from its blocks of own and of other columns, as PETSc stores it on ranks.
+    """Return the matrix of sorted rows from its blocks of own and of other columns, PETSc's storage on several ranks.
 
-    From the rows themselves PETSc makes these entry by entry, which took 13 ms for 41,600 rows on each of two ranks, as
-    long as three Krylov iterations.
+    PETSc would split rows entry by entry, 13 ms for 41,600 rows on each of two ranks: three Krylov iterations.
     """
     (first, last), (n, total) = rows.owner_range, rows.sizes
     arrays = split_rows(indptr, columns, values, first, last)
     matrix = create(rows.comm.tompi4py(), n, total, arrays)
-    # The arrays live as long as what PETSc has of them: a kept preconditioner may hold the block without the matrix.
+    # The arrays must live as long as PETSc uses them: a kept preconditioner may use the block without the matrix.
     for holder in (matrix, matrix.getDiagonalBlock()):
         holder.setAttr("__rows__", arrays)
     return matrix
 
 
 def _creator() -> _Create | None:
-    """Return what makes a matrix from its blocks, with PETSc's function, for which petsc4py has no name; None if it
+    """Return a function that makes a matrix from its blocks by PETSc's function, which petsc4py lacks; None if it
     cannot be called."""
     try:
         library = ctypes.CDLL(PETSc.__file__)
@@ -75,13 +73,13 @@ def _creator() -> _Create | None:
         if error:
             raise PETSc.Error(error)
         matrix = wrapped(made)
-        matrix.decRef()    # it has counted itself
+        matrix.decRef()    # the wrapper counts a second reference
         return matrix
     return create
 
 
 def _address(capsule: Any) -> Any:
-    """Return the address that a capsule of Python holds."""
+    """Return the address in a Python capsule."""
     name = ctypes.pythonapi.PyCapsule_GetName
     name.restype, name.argtypes = ctypes.c_char_p, [ctypes.py_object]
     pointer = ctypes.pythonapi.PyCapsule_GetPointer

@@ -1,4 +1,4 @@
-"""PETSc options of the pressure solve: the defaults, and the user's options, which override them."""
+"""PETSc options of the pressure solve: defaults, and the user's options, which override them."""
 
 import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,7 +13,7 @@ PREFIX = "pressure_"
 
 # Up to this many unknowns on all ranks, incomplete factors beat algebraic multigrid. CPU
 # milliseconds on one rank of set-up + one solve to 1e-6 (iterations) from zero, nonsymmetric 2D
-# rows of 21 entries with a new pattern each time (so nothing of an old set-up can be used again):
+# rows of 21 entries with a new pattern each time (so no part of an old set-up can be reused):
 #     unknowns          529            961             3025            10000           29929
 #     BoomerAMG   0.7 + 0.7 (11)  1.6 + 2.1 (12)  4.8 + 6.3 (14)   12 + 20 (14)    39 + 75 (17)
 #     ILU(0)      0.6 + 0.3 (15)  1.1 + 0.9 (20)  3.3 + 4.7 (33)   11 + 46 (60)   38 + 215 (121)
@@ -23,38 +23,38 @@ PREFIX = "pressure_"
 # In the first steps of a dam break (3840 unknowns, warm start, two solves a step) the whole step
 # took: with new factors in each step ILU(1) 14 (15), ILU(2) 24 (10), BoomerAMG 19 (9); with factors
 # kept while they worked ILU(1) 12.2 (20), ILU(2) 12.5 (14), BoomerAMG 14.6 (12), ILU(0) 13.8 (35).
-# In violent flow factors last for fewer matrices. CPU milliseconds of a whole step of the dam break with H/s = 80, one
-# rank, solves to 1e-5, on a slower machine (iterations; matrices that factors last for):
-#     t sqrt(g/H)      ILU(0)            ILU(1) or ILU(2), as it was before
+# In violent flow, factors last for fewer matrices. CPU milliseconds of a whole step of the dam break with H/s = 80, one
+# rank, solves to 1e-5, on a slower machine (iterations; matrices per set of factors):
+#     t sqrt(g/H)      ILU(0)            ILU(1) or ILU(2), by the earlier rule
 #     0.5 to 0.65      28.6 (18; 7.7)    32.1 (9; 4.8)
 #     1.6 to 2.2       31.9 (17; 3.1)    33.3 (10; 2.8)
-# From these times, factors with fill should pay where they last for a dozen matrices (solver.LASTING). Hence no fill if
-# they are rebuilt more often, two levels if they are kept, and multigrid for large systems, where the iterations of
-# incomplete factors grow with the domain.
-# On one rank, without fill, rows stay in their order along the Hilbert curve: RCM, and to find the pattern of factors
-# in its order, takes three times as long as to compute them, and more than its fewer iterations save. Milliseconds a
-# step of set-ups and solves by PETSc's log, same dam break, steps 400 to 700, two runs each (factors applied; made):
+# By these times, factors with fill pay if they last for a dozen matrices (solver.LASTING). Hence no fill if they are
+# rebuilt more often, two levels if they are kept, and multigrid for large systems, where the iterations of incomplete
+# factors grow with the domain.
+# On one rank, without fill, rows stay in their order along the Hilbert curve. RCM and the pattern of factors in its
+# order take three times as long as the factors, and more than its fewer iterations save. Milliseconds a step of set-ups
+# and solves by PETSc's log, same dam break, steps 400 to 700, two runs each (factors applied; made):
 #     RCM, growth 1.3                       5.56 5.29 (5362; 108)
 #     the curve's order, growth 1.3         4.17 5.02 (6712; 103)
 #     the same, 1.0                         4.30 4.44 (6423; 127)
 #     the same, 0.8                         4.48 4.02 (6045; 160)
-# On two ranks, whose factors are in this order as well, growths of 1.3, 1.0 and 0.8 take the same time.
-# These rows have 18 entries. Where they have 32, as those of ISPH, an iteration costs more: a step takes the same time
-# with RCM and in the curve's order, 35.5 and 36.0 ms, and RCM needs fewer iterations (15; 18).
-SMALL, LONG = 6_000, 25    # unknowns; entries of a row from which on RCM pays
+# On two ranks, with the same order, growths of 1.3, 1.0 and 0.8 take the same time.
+# These rows have 18 entries. With 32 entries, as of ISPH, an iteration costs more: a step takes the same time with RCM
+# and in the curve's order, 35.5 and 36.0 ms, and RCM needs fewer iterations (15; 18).
+SMALL, LONG = 6_000, 25    # unknowns; entries of a row above which RCM pays
 
-# Ranks from which on the blocks of factors without fill overlap. On fewer they are made of each rank's own rows, in
-# their order along the Hilbert curve: overlapping blocks cost more to make and apply than their fewer iterations save.
-# Milliseconds a step of the same dam break, two ranks, means of two runs, factors that may grow by 1.5 (iterations;
-# steps that build):
+# Least number of ranks with overlapping blocks of factors without fill. On fewer, blocks are of each rank's own rows,
+# in their order along the Hilbert curve: overlapping blocks cost more to make and apply than their fewer iterations
+# save. Milliseconds a step of the same dam break, two ranks, means of two runs, growth 1.5 (iterations; steps that
+# build):
 #     overlapping, with RCM    solve 6.7, regularise 6.0, in all 24.5 (9.0; 42 %)
 #     own rows, with RCM       solve 5.2, regularise 6.1, in all 23.2 (11.2; 36 %)
 #     own rows                 solve 4.5, regularise 5.9, in all 21.5 (12.8; 36 %)
-# Own rows that may grow by 1.3 take 21.0 where overlapping blocks take 23.6 (12.5; 38 %). On four and eight ranks both
-# take the same time, and overlap needs 8 iterations where own rows need 14 and 16.
+# With growth 1.3, own rows take 21.0 and overlapping blocks 23.6 (12.5; 38 %). On four and eight ranks both take the
+# same time; overlapping blocks need 8 iterations, own rows 14 and 16.
 OVERLAPPING = 4
 
-# Krylov methods that support right preconditioning, with which the monitored residual is the true one.
+# Krylov methods with right preconditioning, whose monitored residual is the true one.
 _RIGHT = {"gmres", "fgmres", "lgmres", "dgmres", "pgmres", "gcr", "bcgs", "fbcgs", "bcgsl", "tfqmr"}
 
 _KRYLOV = {"ksp_type": "gmres", "ksp_gmres_restart": "50", "ksp_max_it": "100"}
@@ -70,8 +70,8 @@ _BOOMERAMG = {
     "pc_hypre_boomeramg_agg_nl": "1",
     "pc_hypre_boomeramg_no_CF": None,
     "pc_hypre_boomeramg_strong_threshold": "0.25",
-    # One sweep of Gauss-Seidel in each direction. hypre's default, a symmetric sweep in each, is meant
-    # for CG: twice the work for 2 iterations less (1e5 unknowns: 1.98 against 1.58 us per unknown).
+    # One sweep of Gauss-Seidel in each direction. hypre's default, a symmetric sweep in each, is for CG: twice the work
+    # for 2 iterations less (1e5 unknowns: 1.98 against 1.58 us per unknown).
     "pc_hypre_boomeramg_relax_type_down": "SOR/Jacobi",
     "pc_hypre_boomeramg_relax_type_up": "backward-SOR/Jacobi",
 }
@@ -83,7 +83,7 @@ _BOOMERAMG_CLOSED = {"pc_hypre_boomeramg_relax_type_coarse": "symmetric-SOR/Jaco
 _GAMG = {"pc_type": "gamg", "mg_levels_ksp_type": "richardson", "mg_levels_pc_type": "sor"}
 
 
-# Limits of the iteration that the user may set: a test of the value, and the valid range in words.
+# Options of the iteration that users may set: a test of the value, and the valid range in words.
 _LIMITS: dict[str, tuple[Callable[[float], bool], str]] = {
     "ksp_rtol": (lambda value: 0.0 <= value < 1.0, "a number of at least 0 and below 1, such as 1e-6"),
     "ksp_atol": (lambda value: 0.0 <= value < float("inf"), "a number of at least 0"),
@@ -95,7 +95,7 @@ _LIMITS: dict[str, tuple[Callable[[float], bool], str]] = {
 def _incomplete(ranks: int, levels: int, long: bool = False) -> dict[str, str | None]:
     """Return options of ILU(levels) on one rank, of ILU blocks on more (see SMALL, LONG and OVERLAPPING).
 
-    If a user sets another number of levels, the order of the rows stays that of these.
+    If a user sets another number of levels, the order of rows does not change.
     """
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
     if ranks == 1:
@@ -114,13 +114,9 @@ def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
 
     Parameters
     ----------
-    rtol : float
-    closed : bool
-    ranks : int
-    unknowns, entries : int
-        Rows and matrix entries on all ranks.
-    lasting : bool
-        The preconditioner is expected to be kept for several matrices.
+    rtol, closed, ranks : as of PressureSolver
+    unknowns, entries : int, rows and matrix entries on all ranks
+    lasting : whether the preconditioner is expected to be kept for several matrices
     """
     kind = PETSc.Options(PREFIX).getString("pc_type", "")
     if not kind:
@@ -139,7 +135,7 @@ def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
 def backup(stage: str, rtol: float, ranks: int) -> dict[str, str | None]:
     """Return the default options of a later attempt: "gamg", "asm" or "lu".
 
-    The attempts differ in the Krylov method and the preconditioner, and grow in cost and robustness.
+    Attempts differ in Krylov method and preconditioner, with growing cost and robustness.
     """
     krylov = {"ksp_type": "fgmres", "ksp_gmres_restart": "100", "ksp_rtol": repr(float(rtol))}
     if stage == "gamg":
@@ -150,9 +146,9 @@ def backup(stage: str, rtol: float, ranks: int) -> dict[str, str | None]:
 
 
 def _direct(ranks: int) -> dict[str, str | None]:
-    """Return options of the best direct solver that this PETSc has."""
+    """Return options of the best direct solver of this PETSc."""
     if PETSc.Sys.hasExternalPackage("mumps"):
-        # MUMPS then replaces null pivots, which solves a singular but consistent system.
+        # MUMPS then replaces null pivots, and solves a singular but consistent system.
         return {"pc_factor_mat_solver_type": "mumps", "mat_mumps_icntl_24": "1"}
     if ranks > 1 and PETSc.Sys.hasExternalPackage("superlu_dist"):
         return {"pc_factor_mat_solver_type": "superlu_dist"}
@@ -161,10 +157,10 @@ def _direct(ranks: int) -> dict[str, str | None]:
 
 @contextmanager
 def defaults(prefix: str, options: Mapping[str, str | None]) -> Iterator[None]:
-    """Add options that the user has not set to PETSc's database, and remove them again afterwards.
+    """Add options that the user has not set to PETSc's database, and remove them afterwards.
 
-    The database is global and holds 512 entries at most, so the defaults stay in it only while an
-    object is configured. The user's options are never changed.
+    The database is global, with at most 512 entries, so defaults are in it only during configuration. Users' options
+    never change.
     """
     database = PETSc.Options(prefix)
     ours = [name for name in options if not database.hasName(name)]
@@ -204,7 +200,7 @@ def configured(comm: MPI.Comm, prefix: str, options: Mapping[str, str | None]) -
 def check_tolerances(prefix: str) -> None:
     """Check the tolerances and limits that the user gave under a prefix. Not collective.
 
-    PETSc itself accepts any number here, and fails later, in the middle of a run.
+    PETSc itself accepts any number, and fails later, in the middle of a run.
 
     Raises
     ------
@@ -235,8 +231,7 @@ class UserOptions:
 
     Parameters
     ----------
-    options : list of str or None
-        As on a command line: ["-pressure_ksp_rtol", "1e-8", "-pressure_ksp_view"].
+    options : list of str or None, as on a command line: ["-pressure_ksp_rtol", "1e-8", "-pressure_ksp_view"].
 
     Raises
     ------
@@ -252,12 +247,12 @@ class UserOptions:
             database.setValue(name, value)
 
     def unused(self) -> list[str]:
-        """Return the options that PETSc has not used yet; none if PETSc cannot be asked. Not collective.
+        """Return the options that PETSc has not used yet; none if that is unknown. Not collective.
 
-        These are misspelled options, and those of a solver or preconditioner that is not in use.
+        These are misspelled options, and those of unused solvers or preconditioners.
         """
         try:
-            ask = ctypes.CDLL(PETSc.__file__).PetscOptionsUsed    # petsc4py has no name for it
+            ask = ctypes.CDLL(PETSc.__file__).PetscOptionsUsed    # petsc4py lacks it
         except (OSError, AttributeError):
             return []
         found = ctypes.c_int()

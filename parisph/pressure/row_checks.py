@@ -10,12 +10,8 @@ from parisph.kernels import row
 def row_fault(indptr: Array, indices: Array, values: Floats, n: int, total: int) -> ParisphError | None:
     """Return the error of this rank's CSR rows, or None.
 
-    Parameters
-    ----------
-    indptr : (n + 1,) int, indices : (nnz,) int, values : (nnz,) float
-        CSR rows with global columns.
-    n, total : int
-        Rows of this rank and of all ranks.
+    indptr : (n + 1,) int, indices : (nnz,) int, values : (nnz,) float; with global columns
+    n, total : int, rows of this rank and of all ranks
     """
     if np.shape(indptr) != (n + 1,) or np.shape(indices) != np.shape(values) or np.ndim(values) != 1:
         return ParisphError(f"the pressure rows do not fit together: {n} right-hand sides, indptr {np.shape(indptr)}, "
@@ -33,7 +29,7 @@ def row_fault(indptr: Array, indices: Array, values: Floats, n: int, total: int)
 
 
 def vector_fault(name: str, vector: Floats | None, n: int) -> ParisphError | None:
-    """Return the error of an owned array of n numbers (None is fine), or None."""
+    """Return the error of an owned array (n,), which may be None, or None."""
     if vector is None:
         return None
     if np.shape(vector) != (n,):
@@ -45,12 +41,12 @@ def vector_fault(name: str, vector: Floats | None, n: int) -> ParisphError | Non
 
 
 def guess_fault(guess: Floats | None, n: int) -> ParisphError | None:
-    """Return the error of a guess (n,), or of several (k, n), or None (of no guess, too)."""
+    """Return the error of a guess (n,) or several (k, n), which may be None, or None."""
     guesses = guess if guess is not None and np.ndim(guess) == 2 else [guess]
     faults = (vector_fault("guess", one, n) for one in guesses)
     return next((fault for fault in faults if fault is not None), None)
 
 
 def _finite(numbers: Floats) -> bool:
-    # One pass without a temporary array; the second test is needed only after an overflow.
+    # One pass without a temporary array; the second test is only for overflow.
     return bool(np.isfinite(np.dot(numbers, numbers)) or np.isfinite(numbers).all())

@@ -1,4 +1,4 @@
-"""The pressure matrix of this rank: the rows that parts fill, and the CSR matrix of all rows."""
+"""The pressure matrix of this rank: rows filled by parts, and the CSR matrix of all rows."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from parisph.kernels.records import Cloud, DivergenceRows, Rows
 
 
 def _with_room(array: Array, n: int) -> Array:
-    """Return an array for n items: this one if it has room for them."""
+    """Return an array with room for n items: this one if it is long enough."""
     return array if n <= len(array) else np.empty((n + n // 8, *array.shape[1:]), array.dtype)
 
 
@@ -27,7 +27,7 @@ class PressureRows:
     ----------
     laplacian, divergence, walls : parts that fill rows and stencils (methods.parts)
     offset : distance from a full surface particle to the surface, in spacings; 0 for p = 0 at surface particles
-    radius : of the neighbours that count in rows of the surface, in spacings
+    radius : of the neighbours in rows of the surface, in spacings
     """
 
     def __init__(self, dim: int, laplacian: Any, divergence: Any, walls: Any, offset: float, radius: float) -> None:
@@ -42,10 +42,8 @@ class PressureRows:
     def fill(self, u: Floats, cloud: Cloud, cells: Floats) -> None:
         """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective.
 
-        The rows refer to the cloud: they are those of its particles until it is sorted anew, with the roles that these
-        then have.
-
-        cells : (n_all,), the part of their cells that particles fill
+        The rows refer to the cloud, and are valid until its particles are sorted again, with their current roles.
+        cells : (n_all,), the fraction of their cells that particles fill
         """
         self.cloud, self._invariants = cloud, None
         self._reserve(len(cloud.indptr) - 1, len(cloud.indices))
@@ -59,7 +57,7 @@ class PressureRows:
             surface_rows.surface_rows(rows, cloud, cells, self.offset * s, self.radius * s)
 
     def _reserve(self, n: int, nnz: int) -> None:
-        """Make room for n rows and stencils with nnz entries, all of them empty."""
+        """Make room for n empty rows and stencils with nnz entries."""
         rows, flux = self.rows, self.flux
         self.rows = rows = Rows(_with_room(rows.count, n), _with_room(rows.columns, nnz), _with_room(rows.values, nnz),
                                 _with_room(rows.measure, n))
@@ -71,11 +69,11 @@ class PressureRows:
 
     @property
     def div(self) -> Floats:
-        """Flux divergence (n_owned,) [1/s] of the velocity that the rows were filled with, 0 without a stencil."""
+        """Flux divergence (n_owned,) [1/s] of the velocity given to `fill`, 0 without a stencil."""
         return self.flux.div[:len(self.cloud.indptr) - 1]
 
     def pin(self, which: Flags | Ints) -> None:
-        """Make p = 0 at some owned particles, given by a mask or their numbers, whose role becomes SURFACE."""
+        """Set p = 0 at some owned particles, by mask or numbers; the caller sets their role to SURFACE."""
         self.rows.count[:len(self.cloud.indptr) - 1][which] = 0
 
     def csr(self, global_rows: Array) -> tuple[Array, Array, Floats, Flags]:
@@ -90,9 +88,9 @@ class PressureRows:
         return -self.rows.measure[:len(target)] * target
 
     def add_surface_values(self, right: Floats, p: Floats) -> None:
-        """Add to the right-hand side (n_owned,) what makes p (n_all,) [Pa] the pressure on the surface, in place of 0.
+        """Add the terms of a pressure p (n_all,) [Pa] on the surface, in place of 0, to the right-hand side (n_owned,).
 
-        Where surface particles lie below the surface, p is that above them.
+        For surface particles below the surface, p is the pressure on the surface above them.
         """
         add_surface_values(right, self.rows, self.cloud, p, self.offset > 0.0)
 
@@ -101,9 +99,7 @@ class PressureRows:
         rankine.divergence(out, self.flux, self.cloud, u)
 
     def gradient_invariants(self, u: Floats) -> Invariants:
-        """Return the invariants of grad u at inner particles.
-
-        They are found once for the rows, and not again until they are filled anew.
+        """Return the invariants of grad u at inner particles, computed once until rows are filled again.
 
         u : (n_all, dim) [m/s] of the flow
         """
@@ -161,7 +157,7 @@ def compress(rows: Rows, cloud: Cloud, global_rows: Array, solved: bool) -> tupl
                 if role[j] == SURFACE:
                     anchored[i] = True
                 if role[j] == INNER or role[j] == WET or (role[j] == SURFACE and solved):
-                    if not placed and global_rows[j] > own:    # so that a row in order stays so
+                    if not placed and global_rows[j] > own:    # keeps the order of a sorted row
                         out_columns[m], out_values[m] = own, 1.0
                         m, placed = np.uint32(m + 1), True
                     out_columns[m] = global_rows[j]

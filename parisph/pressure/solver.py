@@ -16,16 +16,16 @@ from parisph.pressure import options as opts
 from parisph.pressure.row_checks import guess_fault, row_fault, vector_fault
 from parisph.pressure.system import System
 
-# A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt, for the next matrix and not for a
-# second solve with the present one, which is short. `fresh` is the number it needed at first, at least FRESH, because a
-# nearly exact start needs few. It is expected to last if those before have lasted for LASTING matrices in the mean.
-# Factors without fill are made in the time of a few iterations, on one rank, if rows keep their order, in that of two
-# (see options). There, 99 % of the solves of the dam break with H/s = 80 take at most 24 iterations; asked are 30.
+# A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt for the next matrix, not for a
+# short second solve with the same one. `fresh` is its first number of iterations, at least FRESH, as a nearly exact
+# start needs few. It is expected to last if earlier ones have lasted for LASTING matrices in the mean. Factors without
+# fill take the time of a few iterations, on one rank, if rows keep their order, of two (see options). There, 99 % of
+# the solves of the dam break with H/s = 80 take at most 24 iterations, where 30 are allowed.
 GROWTH, GROWTH_WITHOUT_FILL, GROWTH_IN_ORDER, FRESH, LASTING = 1.5, 1.3, 1.0, 4, 12
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
-# The loosest tolerance for a second right-hand side, whatever its slack.
+# The loosest tolerance for a second right-hand side.
 LOOSEST = 1e-3
 
 _BACKUPS = ("gamg", "asm", "lu")
@@ -47,24 +47,14 @@ _REASONS = {
 
 @dataclass(frozen=True)
 class SolveRecord:
-    """What happened in one solve; the same on every rank, except for the seconds.
+    """The record of one solve; the same on every rank, except for the seconds.
 
-    Attributes
-    ----------
-    reason : int
-        PETSc's KSPConvergedReason of the last attempt (positive: converged); 0 if b = 0, which
-        needs no solve.
-    iterations : int
-        Krylov iterations of all attempts together.
-    residual : float
-        True relative residual |b - A p| / |b|, computed after the solve. In a closed domain
-        |Q (b - A p)| / |Q b|: see System.
-    setup_seconds, solve_seconds : float
-        Matrix and preconditioner; Krylov iterations [s].
-    fallback : str
-        The attempt that succeeded after others had failed ("rebuilt", "gamg", "asm", "lu"), else "".
-    rebuilt : bool
-        A preconditioner was built in this solve.
+    reason : PETSc's KSPConvergedReason of the last attempt (positive: converged); 0 if b = 0, which needs no solve
+    iterations : Krylov iterations of all attempts
+    residual : true relative residual |b - A p| / |b| after the solve, in a closed domain |Q (b - A p)| / |Q b| (System)
+    setup_seconds, solve_seconds : of matrix and preconditioner, and of Krylov iterations [s]
+    fallback : the attempt that succeeded after others had failed ("rebuilt", "gamg", "asm", "lu"), else ""
+    rebuilt : whether a preconditioner was built
     """
 
     reason: int
@@ -79,33 +69,28 @@ class SolveRecord:
 class PressureSolver:
     """Solves A p = b on all ranks, for one nonsymmetric matrix per step.
 
-    Attempts are made in this order until one succeeds: the preconditioner kept from an earlier
-    matrix; the same preconditioner rebuilt; flexible GMRES with PETSc's multigrid ("gamg"), with
-    overlapping incomplete factors ("asm"), with a direct factorisation ("lu"). An attempt fails if
-    PETSc reports a failure (unless the true residual is within rtol) or if the true residual is
-    above 10 rtol, or above 10 atol if the user set an absolute tolerance.
+    Attempts are made in this order until one succeeds: the preconditioner kept from an earlier matrix; the same
+    rebuilt; flexible GMRES with PETSc's multigrid ("gamg"), with overlapping incomplete factors ("asm"), with a direct
+    factorisation ("lu"). An attempt fails if PETSc reports a failure (unless the true residual is within rtol), or if
+    the true residual is above 10 rtol, or above 10 atol if the user set an absolute tolerance.
 
     Parameters
     ----------
     comm : mpi4py communicator
     options : list of str or None
-        The user's PETSc options, as on a command line, with the prefix `pressure_`. These, and
-        those in PETSC_OPTIONS, override the defaults. The later attempts have the prefixes
-        `pressure_gamg_`, `pressure_asm_` and `pressure_lu_`.
-    rtol : float
-        Relative tolerance on the true residual.
-    closed : bool
-        No free surface. p then has zero mean; see System for what is solved if A is singular.
+        The user's PETSc options, as on a command line, with the prefix `pressure_`. These, and those in PETSC_OPTIONS,
+        override the defaults. Later attempts have the prefixes `pressure_gamg_`, `pressure_asm_` and `pressure_lu_`.
+    rtol : relative tolerance of the true residual
+    closed : whether there is no free surface. p then has zero mean; for a singular A see System
 
     Attributes
     ----------
-    options : dict, name -> value or None: the defaults, overridden by the user's options, and any
-        other options that the user gave
-    setups : int, how often the first attempt's preconditioner was built
+    options : dict, name -> value or None: the defaults, overridden by the user's options, and other options of the user
+    setups : int, number of preconditioners built for first attempts
 
     Raises
     ------
-    CaseError on all ranks: an option cannot be understood, or a tolerance is out of range.
+    CaseError on all ranks: an option is invalid, or a tolerance is out of range.
     """
 
     def __init__(self, comm: MPI.Comm, options: Sequence[str] | None = None, rtol: float = 1e-6,
@@ -118,17 +103,17 @@ class PressureSolver:
         self._closed = closed
         self._wanted = rtol
         self._system = System(comm, closed)
-        self._rows = -1             # of this rank, when the preconditioner was built
+        self._rows = -1             # of this rank, of the preconditioner
         self._total = 0
         self._matrices = 0          # since rows were renumbered
         self._setups = 0            # before that
         self._ksp: PETSc.KSP = None
         self._user = opts.UserOptions(options)
-        self._unchecked = True      # whether PETSc has used all of them
+        self._unchecked = True      # until unused options are looked for
         try:
             for stage in ("", *_BACKUPS):
                 opts.check_tolerances(f"{opts.PREFIX}{stage}_" if stage else opts.PREFIX)
-            self._configure(0, 0)   # the size is not known yet, but bad options are
+            self._configure(0, 0)   # finds bad options, before the size is known
         except CaseError:
             self._user.withdraw()
             raise
@@ -141,14 +126,11 @@ class PressureSolver:
         ----------
         indptr : (n_owned + 1,) int, indices : (nnz,) int, values : (nnz,) float
             This rank's rows as CSR with global columns in any order; n_owned may be 0. The solver keeps the arrays
-            until the next matrix or `release`, some preconditioners longer. On one rank it sorts the entries of each
-            row, on several it rearranges them: do not use the arrays again.
+            until the next matrix or `release`, some preconditioners longer, and rearranges them: do not use them again.
         rhs : (n_owned,) float, b
-        guess : (n_owned,) float, (k, n_owned) float or None
-            Initial guess (the previous pressure), or several, of which the first is taken if it solves the equation,
-            else the best; None for zero. The same k on all ranks.
-        renumbered : bool
-            Row numbers have changed, on any rank, since the previous matrix.
+        guess : (n_owned,) float, (k, n_owned) float or None, the initial guess (the previous pressure), or several: the
+            first is taken if it solves the equation, else the best. None for zero. The same k on all ranks.
+        renumbered : bool, whether row numbers have changed, on any rank, since the previous matrix
 
         Returns
         -------
@@ -166,30 +148,27 @@ class PressureSolver:
         self._system.assemble(indptr, indices, values)
         self._current = False
         found = self._run("new", rhs, guess, start, self._rtol)
-        if self._unchecked and found[1].rebuilt:    # before that the preconditioner has not read its options
+        if self._unchecked and found[1].rebuilt:    # a preconditioner reads its options when it is built
             self._warn_of_unused_options()
         return found
 
     def solve_again(self, rhs: Floats, guess: Floats | None, slack: float = 1.0) -> tuple[Floats, SolveRecord]:
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
-        slack : float
-            The tolerance is this many times that of `solve`, at most LOOSEST.
-
+        slack : factor of the tolerance of `solve`; the result is at most LOOSEST
         Other parameters, results and errors as in `solve`. ParisphError on all ranks also without a matrix: before
         `solve`, and after `release`.
         """
         start = perf_counter()
-        if self._system.matrix is None:    # there is nothing that could compute
+        if self._system.matrix is None:    # nothing to solve with
             agree(self._comm, ParisphError("solve_again needs a matrix: call solve first"))
         error = vector_fault("right-hand side", rhs, self._rows) or guess_fault(guess, self._rows)
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
 
     def release(self) -> None:
-        """Free the last matrix, so that there are not two while the next is made. Collective.
+        """Free the last matrix, so two never exist at once. Collective.
 
-        The preconditioner stays, and some keep the matrix that they were built from. `solve_again` is refused until
-        the next `solve`.
+        The preconditioner stays, and some keep their matrix. `solve_again` is refused until the next `solve`.
         """
         self._system.drop_matrix()
         self._ksp.setOperators(None, None)
@@ -215,7 +194,7 @@ class PressureSolver:
         mine = bool(renumbered) or n != self._rows
         error = None if mine else fault(self._total)
         changed, total, entries, failed = sums(self._comm, mine, n, len(indices), error is not None)
-        if changed or failed:    # the faults again, now that the size is known
+        if changed or failed:    # check again, with the known size
             agree(self._comm, fault(total))
         if changed:
             # Make a new solver: PETSc's reset loses viewers and keeps the subdomains of the old rows.
@@ -252,19 +231,19 @@ class PressureSolver:
         self._may_keep = given.getBool("ksp_reuse_preconditioner", True)
         ours = {opts.PREFIX + name: value for name, value in {**self._chosen, **given.getAll()}.items()}
         self.options = {**ours, **self._user.given}
-        self._usable = False        # whether there is a preconditioner, of this or an earlier matrix
-        self._current = False       # whether it was made from this matrix
+        self._usable = False        # whether there is a preconditioner
+        self._current = False       # whether it is of this matrix
         self._worn: bool = False    # whether the next matrix gets a new one
         self._setups = self.setups
-        self._fresh: dict[str, int] = {}    # iterations that it needed at first, for each kind of solve
+        self._fresh: dict[str, int] = {}    # its first iterations, for each kind of solve
 
     # -- the solve ----------------------------------------------------------------------------
 
     def _run(self, kind: str, rhs: Floats, guess: Floats | None, start: float, goal: float,
              error: ParisphError | None = None) -> tuple[Floats, SolveRecord]:
-        """Load the vectors and make attempts until one succeeds.
+        """Load the vectors and make attempts until one succeeds; return (p, SolveRecord).
 
-        Return (p, SolveRecord). error : of this rank's vectors, or None.
+        error : of this rank's vectors, or None.
         """
         system, self._goal = self._system, goal
         self._ksp.setTolerances(rtol=system.load(rhs, guess, error, goal))
@@ -336,7 +315,7 @@ class PressureSolver:
         self._fresh = {}
 
     def _backup(self, stage: str) -> tuple[int, int]:
-        """Solve with one of the later attempts; return (reason, iterations). Collective."""
+        """Solve with a later attempt; return (reason, iterations). Collective."""
         prefix = f"{opts.PREFIX}{stage}_"
         chosen = opts.backup(stage, self._goal, self._comm.size)
         start = perf_counter()

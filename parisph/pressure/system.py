@@ -11,7 +11,7 @@ from parisph.pressure.matrices import matrix_of
 # If |A v| is below this fraction of the largest entry, v is a null vector.
 _NULL = 1e-9
 
-# How much closer than asked a solve is that starts from an extrapolation within the goal. Water at rest then moves as
+# Factor of the tolerance of a solve that starts from an extrapolation within the goal. Water at rest then moves as
 # little as from the last pressure alone; with 3 in place of 10 it moves two to four times as fast.
 CLOSER = 10.0
 
@@ -22,22 +22,19 @@ class System:
     Parameters
     ----------
     comm : mpi4py communicator
-    closed : bool
-        No Dirichlet row is expected. If A has the null vector v (1 in every row, 0 in
-        identity rows), the system that is solved is Q A p = Q b with Q = I - v v^T / v.v, that is,
-        A p = b up to a constant c in all rows of v. This constant is the part of b that is not
-        compatible. The left null vector w of nonsymmetric rows is not constant, so that b less
-        its mean still has w.b != 0 and no solution, whereas Q A p = Q b has a solution for every b
-        (w.v != 0, as w > 0 for such rows). The solution with zero mean is returned. A matrix that
-        is not singular is solved unchanged.
+    closed : bool, whether no Dirichlet row is expected. If A has the null vector v (1 in every row, 0 in identity
+        rows), the solved system is Q A p = Q b with Q = I - v v^T / v.v: A p = b up to a constant in all rows of v, the
+        incompatible part of b. The left null vector w of nonsymmetric rows is not constant, so b minus its mean still
+        has w.b != 0 and no solution. Q A p = Q b has a solution for every b (w.v != 0, as w > 0 for such rows). The
+        solution with zero mean is returned. A regular matrix is solved unchanged.
 
     Attributes
     ----------
     b, x : PETSc.Vec, right-hand side and unknown
     matrix : PETSc.Mat, A
     operator : PETSc.Mat, the operator of the solve: A, or Q A
-    preconditioned : PETSc.Mat, the matrix of the preconditioner: A, or A with the diagonal of one
-        row doubled, which makes it regular for factorisations and coarse solves
+    preconditioned : PETSc.Mat, matrix of the preconditioner: A, or A with a doubled diagonal entry in one row, which
+        makes it regular for factorisations and coarse solves
     norm : |b|, or |Q b|
     """
 
@@ -64,7 +61,7 @@ class System:
     def assemble(self, indptr: Array, indices: Array, values: Floats) -> None:
         """Make the matrix from this rank's rows (global columns, any order). Collective.
 
-        Rearranges the entries in place, and keeps the arrays; copies of those that are not of PETSc's types.
+        Rearranges and keeps the arrays, or copies if their types are not PETSc's.
         """
         self.drop_matrix()
         csr = (np.ascontiguousarray(indptr, PETSc.IntType), np.ascontiguousarray(indices, PETSc.IntType),
@@ -85,21 +82,20 @@ class System:
         Parameters
         ----------
         rhs : (n,)
-        guess : (n,), None for zero, or (k, n), the last pressure and extrapolations, of which one is taken: the first
-            if its residual is within the goal, else the one with the least; the same k on all ranks
-        goal : of |b - A x| / |b|. A pressure that still holds stays. An extrapolation is a start, and no solution: of
-            pressures at rest it extrapolates the errors within the tolerance, and they would move the water.
-        error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
+        guess : (n,), None for zero, or (k, n), the last pressure and extrapolations: the first is taken if its residual
+            is within the goal, else the one with the least; the same k on all ranks
+        goal : of |b - A x| / |b|. A pressure that still solves the equation stays. An extrapolation is only a start: at
+            rest it amplifies errors within the tolerance, which would move the water.
+        error : error of rhs or guess on this rank, or None; it is raised on all ranks
 
         Returns
         -------
-        the tolerance of the solve: the goal, or CLOSER times less if it starts from a guess, other than the first,
-        whose residual is within the goal
+        the tolerance of the solve: the goal, or the goal / CLOSER if it starts from an extrapolation within the goal
 
         Raises
         ------
-        SolverDiverged on all ranks: the diagonal entry of a row is missing or zero (PETSc's
-            incomplete factors may read beyond the end of such a row instead of failing).
+        SolverDiverged on all ranks: a diagonal entry is missing or zero (PETSc's incomplete factors may then read
+            beyond the end of the row instead of failing).
         """
         b = self._arrays[1]
         many = 1 if guess is None or np.ndim(guess) == 1 else len(guess)    # the same on all ranks
@@ -123,7 +119,7 @@ class System:
         best = 0 if left[0] <= enough else left.index(min(left))
         if not left[best] < bb:
             self.start_from(0.0)
-        elif best < len(left) - 1:    # the last is already there
+        elif best < len(left) - 1:    # the last one is already in x
             self._begin(guesses[best])
         return goal / CLOSER if best > 0 and left[best] <= enough else goal
 
@@ -133,7 +129,7 @@ class System:
             self._null.remove(self.x)
 
     def _missing(self, guess: Floats) -> float:
-        """Return this rank's part of |b - A x|^2 for a guess (n,), which is left in x. Collective."""
+        """Return this rank's part of |b - A x|^2 for a guess (n,), which stays in x. Collective."""
         self._begin(guess)
         return self._square()
 
@@ -150,7 +146,7 @@ class System:
         self._touch(self.x)
 
     def residual(self) -> float:
-        """Return |b - A x| / |b| of the current x (with Q, in a closed domain). Collective."""
+        """Return |b - A x| / |b| of the current x (with Q in a closed domain). Collective."""
         return float(np.sqrt(self.sum(self._square())[0])) / self.norm
 
     def solution(self) -> Floats:
@@ -160,7 +156,7 @@ class System:
         return self._arrays[0].copy()
 
     def sum(self, *local: float) -> Floats:
-        """Return the sums over the ranks of some numbers. Collective."""
+        """Return the sums of numbers over the ranks. Collective."""
         numbers = np.array(local, float)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, numbers)
@@ -182,7 +178,7 @@ class System:
 
     @staticmethod
     def _touch(*vectors: PETSc.Vec) -> None:
-        # PETSc caches norms of vectors and does not notice that the arrays were written.
+        # PETSc caches norms of vectors and does not notice changes of the arrays.
         for vector in vectors:
             vector.stateIncrease()
 
@@ -206,7 +202,7 @@ class System:
         self.preconditioned = self._pinned(alone)
 
     def _pinned(self, alone: Flags) -> PETSc.Mat:
-        """Return A with the diagonal of the first row that is not an identity row doubled."""
+        """Return A with a doubled diagonal entry in the first row that is not an identity row."""
         pinned = self.matrix.duplicate(copy=True)
         first = self.matrix.getOwnershipRange()[0]
         mine = np.flatnonzero(~alone)

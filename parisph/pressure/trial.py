@@ -1,4 +1,4 @@
-"""A small pressure solve with a known answer, and the versions of the libraries behind it."""
+"""A small pressure solve with a known solution, and the versions of its libraries."""
 
 import ctypes
 import os
@@ -17,7 +17,7 @@ SIDE = 48    # unknowns along one side of the square: enough for several multigr
 def versions() -> dict[str, str | None]:
     """Return {"PETSc", "petsc4py", "hypre": text or None, "scalar", "integer"}. Not collective.
 
-    "hypre" is None where PETSc was built without it, and "" where its version cannot be read.
+    "hypre" is None if PETSc was built without it, and "" if its version cannot be read.
     """
     return {
         "PETSc": ".".join(map(str, PETSc.Sys.getVersion())),
@@ -29,7 +29,7 @@ def versions() -> dict[str, str | None]:
 
 
 def solve(comm: MPI.Comm) -> dict[str, Any]:
-    """Solve a five-point Poisson equation on the ranks of `comm`, as a step would. Collective.
+    """Solve a five-point Poisson equation on the ranks of `comm` by the solver of a step. Collective.
 
     Returns {"ranks", "iterations", "error": max |p - exact| / max |exact|, the same on every rank}.
     Raises SolverDiverged on every rank.
@@ -45,7 +45,7 @@ def solve(comm: MPI.Comm) -> dict[str, Any]:
 
 
 def _exact(row: Array) -> Floats:
-    """A pressure of order one with structure on all scales."""
+    """Return a pressure of order one with structure on all scales."""
     found: Floats = np.sin(0.1 * row) + np.cos(1.7 * row + 0.3)
     return found
 

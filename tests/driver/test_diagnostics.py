@@ -60,7 +60,7 @@ def test_waves_that_are_not_alike_and_a_smaller_spacing(tmp_path):
     """A strong filter takes long waves, too, if they are coarse."""
     found = [status(short(wave(depth, 12.0), filter=0.3), tmp_path / str(depth))
              for depth in (10.0, 20.0)]
-    assert found[0][0] == "completed with warnings" and "though all should be alike: use a smaller" in found[0][1]
+    assert found[0][0] == "completed with warnings" and "though all should be equal: use a smaller" in found[0][1]
     coarse, fine = (abs(int(re.search(r"was ([+-]\d+)% off the middle", lines).group(1))) for _, lines in found)
     assert fine < 0.8 * coarse
 

@@ -157,7 +157,7 @@ def test_a_peak_that_cannot_be_brought_is_said(tmp_path, caplog):
     other = Acting(tmp_path / "other", [3.0, 4.0],
                    {"tap": {"least": 0.0, "greatest": 10.0, "time": 0.3, "step": 3, "now": 2.0}})
     other.peaks.bring(tmp_path / "run")
-    assert "the flow at the peak of tap so far, t = 0.3 s, is not in" in caplog.text
+    assert "the flow at the peak of tap so far, t = 0.3 s, is no longer in" in caplog.text
     other.go(0, 1)
     other.save()
     assert kept(tmp_path / "other") is None

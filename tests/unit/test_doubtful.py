@@ -85,8 +85,8 @@ DOUBTS = {
                lambda: flume(AIRY, 1.5), lambda: flume(AIRY, 2.05)),
     "sponge and irregular waves": ("has a wave of 2.05 m", lambda: flume(Jonswap(0.05, 1.2, 0.5), 1.5),
                                    lambda: flume(SolitaryWave(0.05, 0.5), 1.5)),
-    "relaxation": ("absorb[0]: the relaxation is 1.5 m long, and absorb[0].wave has a wave of 2.05 m: it comes out "
-                   "lower", lambda: flume(AIRY, 1.5, Relaxation), lambda: flume(AIRY, 2.05, Relaxation)),
+    "relaxation": ("absorb[0]: the relaxation is 1.5 m long, and absorb[0].wave has a wave of 2.05 m: it leaves "
+                   "the zone lower", lambda: flume(AIRY, 1.5, Relaxation), lambda: flume(AIRY, 2.05, Relaxation)),
     "degrees": (f"frame: {DEGREES}radians(4.0), 0.0698 rad?", lambda: rolled(4.0), lambda: rolled(np.radians(4.0))),
     "degrees in a series": (f"{DEGREES}degrees, Series(..., scale=radians(1.0))?",
                             lambda: scene(frame=series(4.0)), lambda: scene(frame=series(0.07))),

@@ -52,7 +52,7 @@ def test_sound_scenes_have_no_findings(walls, fluids):
     ([TANK], [Box(1.0, 0.5), Box(0.5, 0.2, at=(0.2, 0.2))],
      ["fluid[1] (box): it has no particles, because it lies in other fluid; leave it out"]),
     ([TANK], [StillWater(0.5), StillWater(0.3)], ["fluid[1]: there is still water before it; give one, with the hig"]),
-    ([], [StillWater(0.5)], ["there are no walls to hold it"]),
+    ([], [StillWater(0.5)], ["there are no walls around it"]),
     ([Tank(1.0, 1.0, at=(1.0, 1.0)), Obstacle(Box(5.0, 5.0))], [StillWater(0.5)], ["each body lies inside another"]),
 ])
 def test_what_is_wrong_is_said(walls, fluids, words):

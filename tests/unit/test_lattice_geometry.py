@@ -103,7 +103,7 @@ def test_volumes_add_up_to_the_body(shape, walls, volume, within):
 
 def test_fluid_that_misses_all_points_is_refused():
     sliver = Polygon(((0.05, 0.15), (299.0, 299.1), (299.0, 299.102)))    # between the points of the tank's lattice
-    with pytest.raises(CaseError, match="there is room for no particle"):
+    with pytest.raises(CaseError, match="no particle fits"):
         geometry.build(scene(sliver, Tank(300.0, 300.0), spacing=0.2))
 
 

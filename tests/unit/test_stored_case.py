@@ -25,7 +25,7 @@ def test_a_case_comes_back_as_it_was():
 
 
 @pytest.mark.parametrize("text, says", [
-    ("", "not a stored case"), ("[]", "holds a list"), ('{"schema": "x"}', "must be a whole number"),
+    ("", "not a stored case"), ("[]", "contains a list"), ('{"schema": "x"}', "must be a whole number"),
     ('{"schema": true}', "whole number"),
     (f'{{"schema": {SCHEMA + 1}}}', "written by a newer parisph; this one reads up to schema"),
     ("{}", "Case.title is missing"), ('{"title": "a", "title": "b"}', "'title' is given twice"),
@@ -86,9 +86,9 @@ def test_other_changes_keep_what_was_resolved(monkeypatch):
 
 @pytest.mark.parametrize("name, value, says", [
     ("preset", "gentle", "numerics.preset = 'gentle', but asked.preset = 'violent': change it in \"asked\""),
-    ("kappa", 0.1, "numerics.kappa = 0.1, but asked.kappa = 0.4: edit both alike"),
-    ("spacing", 0.0125, "numerics.spacing = 0.0125, but asked.spacing = 0.025: edit both alike"),
-    ("max_time_step", 0.01, "numerics.max_time_step = 0.01, but asked.max_time_step = None: edit both alike"),
+    ("kappa", 0.1, "numerics.kappa = 0.1, but asked.kappa = 0.4: edit both equally"),
+    ("spacing", 0.0125, "numerics.spacing = 0.0125, but asked.spacing = 0.025: edit both equally"),
+    ("max_time_step", 0.01, "numerics.max_time_step = 0.01, but asked.max_time_step = None: edit both equally"),
 ])
 def test_an_edit_of_one_of_two_values_is_refused(name, value, says):
     content = json.loads(to_json(stored(preset="violent", kappa=0.4, spacing=0.025, time_step=None)))

@@ -1,7 +1,6 @@
-"""How tanks and walls move: oscillations, measured motions and wavemakers, as records that are part of a case.
+"""Motions of tanks and walls as records of a case: oscillations, measured motions and wavemakers.
 
-rigid.py says what a motion gives. The flow is computed in the frame of the tank; the driver adds what follows from its
-motion to gravity.
+rigid.py defines the interface. The flow is computed in the frame of the tank, whose inertia is added to gravity.
 """
 
 from typing import Annotated, Union

@@ -15,13 +15,13 @@ from parisph.case.motion.splines import cubic
 from parisph.case.values import LARGEST, SMALLEST
 
 LEAST = 4    # points of a spline
-PARTS = 8    # of a stretch between two times: how often it is looked at how far a motion goes
-MANY = 2000  # times, from which on half a stretch is enough
-SEEN = 64    # values of a long series that its hash looks at
+PARTS = 8    # samples between two times, for the range of a motion
+MANY = 2000  # times: a longer series needs only two samples between times
+SEEN = 64    # values of a long series in its hash
 
 
 class Sampled:
-    """A law of time from values at increasing times, or from rates. A record that has these fields derives from it.
+    """Base of records with a law of time from values, or rates, at increasing times.
 
     times [s], values : (n,) each; rate : whether the values are rates, whose integral is the law
     """
@@ -35,7 +35,7 @@ class Sampled:
         def rate(self) -> bool: ...
 
     def _check_increasing(self, what: str) -> None:
-        """Raise ValueError unless times increase and each has a value. what : the values are, in plural"""
+        """Raise ValueError unless times increase and each has a value. what : name of the values, in plural"""
         times, values = self.times, self.values
         if len(times) != len(values):
             raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
@@ -61,18 +61,18 @@ class Sampled:
 
     @property
     def top_rate(self) -> float:
-        """Greatest rate, that of the straight lines between the times."""
+        """Greatest rate, of straight lines between the times."""
         return float(np.max(np.abs(self.values if self.rate else np.diff(self.values) / np.diff(self.times))))
 
     def instants(self, stop: float) -> Floats:
-        """Return times (n,) [s] in order, from 0 to `stop`, several in each stretch between those of the series."""
+        """Return times (n,) [s] in order, from 0 to `stop`, several between two times of the series."""
         knots = np.unique(np.clip(np.concatenate([[0.0], self.times, [stop]]), 0.0, stop))
         parts = PARTS if len(knots) < MANY else 2
         found: Floats = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(parts) / parts).ravel(), stop)
         return found
 
     def __hash__(self) -> int:
-        """Look at SEEN of the values: caches ask for it often."""
+        """Hash SEEN of the values, as caches call it often."""
         few = slice(None, None, max(1, len(self.times) // SEEN))
         return hash((len(self.times), self.times[few], self.values[few]))
 
@@ -80,10 +80,9 @@ class Sampled:
 class Series(Sampled, Model):
     """A measured displacement [m] or angle [rad] over time: columns of a CSV file with one header line, or numbers.
 
-    The file is read once, when the record is made; the numbers are then part of the case. They are joined by a cubic
-    spline without a knot at the second and the last but one time. Its second derivative is the acceleration that the
-    water feels, so rough data should be smoothed before. Before the first and after the last time the body rests: data
-    that does not begin and end at rest has a jump of velocity there.
+    The file is read once, when the record is made; the numbers are then part of the case. A not-a-knot cubic spline
+    joins them. Its second derivative is the acceleration of the body, so smooth rough data before. The body rests
+    before the first and after the last time: if the data does not begin and end at rest, the velocity jumps there.
 
     file : path, relative to the case file
     time, value : names of the columns

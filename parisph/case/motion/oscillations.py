@@ -1,4 +1,4 @@
-"""Motions that tanks make: sway, heave and roll, harmonic or measured."""
+"""Sway, heave and roll, harmonic or measured."""
 
 from abc import abstractmethod
 from functools import lru_cache
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 Frequency = Annotated[float | None, Field(gt=0, description="angular frequency [rad/s], or period [s]")]
 Period = Annotated[float | None, Field(gt=0, description="period [s], in place of frequency")]
 Ramp = Annotated[float | None, Field(ge=0, description="time [s] in which the motion grows to its amplitude")]
-SAME = 1e-9    # of a frequency: that of a period, after rounding; a stored case may have both
+SAME = 1e-9    # of a frequency: tolerance if frequency and period are given, as in some stored cases
 
 
 @lru_cache(maxsize=64)
 def _top_rate(motion: "_Oscillation") -> float:
-    """Return the greatest rate of an oscillation with a ramp, in which it may be the fastest."""
+    """Return the greatest rate of an oscillation with a ramp, in which it may occur."""
     ramp, period = cast(float, motion.ramp), 2.0 * np.pi / motion.omega
     times = np.concatenate([np.linspace(0.0, ramp, FINE), ramp + np.linspace(0.0, period, FINE)])
     return max(abs(motion.law(float(t))[1]) for t in times)
@@ -45,7 +45,7 @@ class AtRest(Translation):
 
 
 class _Oscillation(Motion):
-    """A harmonic motion that grows over a ramp to its amplitude."""
+    """A harmonic motion that grows to its amplitude over a ramp."""
 
     if TYPE_CHECKING:    # see Translation
         @property
@@ -58,7 +58,7 @@ class _Oscillation(Motion):
         def ramp(self) -> float | None: ...
 
     def _check_frequency(self, missing: str) -> None:
-        """Raise ValueError unless there is a frequency, a period, or both of one oscillation. missing : the message"""
+        """Raise ValueError unless there is a frequency, a period, or both and equal. missing : message"""
         frequency, period = self.frequency, self.period
         if frequency is None and period is None:
             raise ValueError(missing)
@@ -77,7 +77,7 @@ class _Oscillation(Motion):
 
     @property
     def omega(self) -> float:
-        """Angular frequency [rad/s], given as such or by a period."""
+        """Angular frequency [rad/s]."""
         return 2.0 * np.pi / cast(float, self.period) if self.frequency is None else self.frequency
 
     def law(self, t: float) -> Law:
@@ -85,21 +85,21 @@ class _Oscillation(Motion):
 
     @property
     def longest_step(self) -> float:
-        """See Motion: a share of the period; infinite where the amplitude is zero."""
+        """See Motion: a fraction of the period, infinite for a zero amplitude."""
         return SHARE * 2.0 * np.pi / self.omega if self.amplitude else np.inf
 
     @property
     def top_rate(self) -> float:
-        """See Motion. A roll that grows over one period, its default, is less than a tenth faster."""
+        """See Motion. A roll with the default ramp of one period is less than a tenth faster."""
         return _top_rate(self) if self.ramp else abs(self.amplitude) * self.omega
 
     def instants(self, stop: float) -> Floats:
-        """See Motion: one period after its growth shows all."""
+        """See Motion: until one period after its growth."""
         return evenly(self.longest_step / SHARE, min(stop, self._growth + 2.0 * np.pi / self.omega))
 
 
 class _Harmonic(_Oscillation, Translation):
-    """X = amplitude (1 - cos(frequency t)), from rest; with a ramp it grows to that."""
+    """X = amplitude (1 - cos(frequency t)) from rest, times a ramp if there is one."""
 
     @model_validator(mode="after")
     def _one_frequency(self) -> "Self":
@@ -154,10 +154,10 @@ class Heave(_Harmonic):
 class Roll(_Oscillation, Rotation):
     """A roll about `centre`: harmonic, amplitude sin(frequency t), or a measured one.
 
-    amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is understood too
+    amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is accepted too
     frequency : angular [rad/s], or `period` [s], of a harmonic roll
     centre : (x, y) [m]
-    ramp : [s] in which a harmonic roll grows to its amplitude; default one period. With 0 the body turns from the start
+    ramp : [s] in which a harmonic roll grows to its amplitude; default one period, 0 for a sudden start
 
     >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
     0.070 rad
@@ -251,10 +251,10 @@ class Moved(Translation):
 
 
 class Tabulated(Sampled, Translation):
-    """A measured motion: displacement [m] at increasing times [s], joined as a Series of numbers is.
+    """A measured motion: displacement [m] at increasing times [s], joined as in a Series.
 
-    With rate=True the values are velocities [m/s]; the motion is their integral, from rest at x = 0. A column of a file
-    is read by a Moved: Moved(Series("paddle.csv", time="t", value="velocity", rate=True)).
+    With rate=True the values are velocities [m/s]; the motion is their integral, from rest at x = 0. For a column of a
+    file use Moved(Series("paddle.csv", time="t", value="velocity", rate=True)).
 
     >>> print(f"{Tabulated(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)).law(1.0)[0]:.3f} m")
     0.100 m

@@ -1,7 +1,7 @@
-"""Motions of rigid bodies: where their points are, how fast, and with which acceleration.
+"""Motions of rigid bodies: positions, velocities and accelerations of their points.
 
-The same motion moves the tank, in whose frame the flow is then computed, or a wall in the frame of the room. Motions
-are data, so that a stored run can go on without the script that made it. Angles are positive against the clock [rad].
+A motion moves the tank, in whose frame the flow is computed, or a wall in the frame of the scene. Motions are data, so
+a stored run can continue without its script. Angles are positive anticlockwise [rad].
 """
 
 from abc import abstractmethod
@@ -17,7 +17,7 @@ from parisph.case.model import Model
 from parisph.case.values import SMALLEST
 
 SHARE = 1 / 50    # of the period of a motion: the longest adaptive time step
-FINE = 100        # of a period: times at which it is looked at how far a motion goes
+FINE = 100        # samples in a period, for the range of a motion
 
 
 def _not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
@@ -36,16 +36,16 @@ Centre = Annotated[
 ]
 
 
-@lru_cache(maxsize=64)    # asked for several times in each step
+@lru_cache(maxsize=64)    # called several times in each step
 def _unit_vector(direction: tuple[float, ...]) -> Floats:
-    """Return the vector (dim,) of length 1 in a direction that is not zero. Do not write to it."""
+    """Return the read-only unit vector (dim,) of a nonzero direction."""
     unit: Floats = np.array(direction) / float(np.linalg.norm(direction))
     unit.flags.writeable = False
     return unit
 
 
 class Motion(Model):
-    """How a rigid body moves, by a law of time: a displacement along a direction, or an angle about a centre."""
+    """The motion of a rigid body by a law of time: a displacement along a direction, or an angle about a centre."""
 
     @abstractmethod
     def law(self, t: float) -> tuple[float, float, float]:
@@ -57,8 +57,7 @@ class Motion(Model):
 
     @abstractmethod
     def placed_by(self, x: Floats, value: float) -> Floats:
-        """Return the positions (n, dim) [m] of points x (n, dim) [m] of the body at rest, where the law has this
-        value."""
+        """Return the positions (n, dim) [m], at a value of the law, of points at x (n, dim) [m] in the body at rest."""
 
     def placed(self, x: Floats, t: float) -> Floats:
         """Return the positions (n, dim) [m] at time t [s] of points that are at x (n, dim) [m] in the body at rest."""
@@ -66,7 +65,7 @@ class Motion(Model):
 
     @abstractmethod
     def turned(self, vectors: Floats, t: float) -> Floats:
-        """Return vectors (n, dim) of the body at rest, such as normals, as they are at time t [s]."""
+        """Return vectors (n, dim) of the body at rest, such as normals, turned to time t [s]."""
 
     @abstractmethod
     def velocity_at(self, x: Floats, t: float) -> Floats:
@@ -76,14 +75,14 @@ class Motion(Model):
     def acceleration_at(self, x: Floats, t: float) -> Floats:
         """Return the acceleration (n, dim) [m/s2] of the body's points that are at x (n, dim) [m] at time t [s].
 
-        For x and components as seen from the body, it is what a point at rest in it feels, with the opposite sign.
+        With x and components in the frame of the body, it is minus the inertial force per mass at rest in this frame.
         """
 
     @abstractmethod
     def seen(self, vectors: Floats, t: float) -> Floats:
-        """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s].
+        """Return vectors (n, dim) of the fixed frame, such as gravity, in the frame of the body at time t [s].
 
-        The result may be `vectors` itself, not a copy.
+        The result may be `vectors` itself.
         """
 
     @property
@@ -97,18 +96,18 @@ class Motion(Model):
         return 0.0
 
     def instants(self, stop: float) -> Floats:
-        """Return times (n,) [s] in order, from 0 to `stop` or until all has been seen, that show how far it goes."""
+        """Return times (n,) [s] in order, from 0 to at most `stop`, that sample the whole range of the motion."""
         return evenly(self.longest_step / SHARE, stop)
 
     @abstractmethod
     def top_speed(self, lower: Floats, upper: Floats) -> float:
-        """Return the greatest speed [m/s] of points of a body within a box given by two corners (dim,) [m]."""
+        """Return the greatest speed [m/s] of points of a body in a box between two corners (dim,) [m]."""
 
 
 class Translation(Motion):
-    """A motion along one `direction`, a field of every kind of it."""
+    """A motion along one `direction`, a field of each subclass."""
 
-    if TYPE_CHECKING:    # each kind has it; as a field of this class it would come first
+    if TYPE_CHECKING:    # a field of each subclass; as a field of this class it would come first
         @property
         def direction(self) -> tuple[float, ...]: ...
 
@@ -119,7 +118,7 @@ class Translation(Motion):
         return x + self._along(value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
-        """See Motion: they do not turn."""
+        """See Motion: unchanged."""
         return vectors
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
@@ -136,7 +135,7 @@ class Translation(Motion):
 
 
 class Rotation(Motion):
-    """A rotation in the plane about a fixed `centre`, a field of every kind of it."""
+    """A rotation in the plane about a fixed `centre`, a field of each subclass."""
 
     if TYPE_CHECKING:    # see Translation
         @property
@@ -174,19 +173,19 @@ def evenly(period: float, stop: float) -> Floats:
 
 @lru_cache(maxsize=64)
 def course(motion: Motion, stop: float) -> tuple[Floats, Floats]:
-    """Return times [s] up to `stop` and the values of the law at these, [m] or [rad], that show how far it goes."""
+    """Return times [s] up to `stop` and the values of the law, [m] or [rad], that sample its whole range."""
     times = motion.instants(stop)
     return times, motion.values_at(times)
 
 
 def rotated(vectors: Floats, angle: float) -> Floats:
-    """Return vectors (n, 2) turned by an angle [rad] against the clock."""
+    """Return vectors (n, 2) turned anticlockwise by an angle [rad]."""
     cosine, sine = np.cos(angle), np.sin(angle)
     turned: Floats = np.asarray(vectors) @ np.array([[cosine, sine], [-sine, cosine]])
     return turned
 
 
 def quarter(vectors: Floats) -> Floats:
-    """Return vectors (n, 2) turned by a right angle against the clock."""
+    """Return vectors (n, 2) turned anticlockwise by a right angle."""
     vectors = np.asarray(vectors)
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)

@@ -1,7 +1,6 @@
 """Smooth curves through points in time: values, rates and second derivatives.
 
-Cubic splines join measured values; their second derivative is continuous. Quintic pieces join points at which the
-first two derivatives are known.
+Cubic splines join measured values, with continuous second derivatives. Quintic pieces join points with known ones.
 """
 
 from collections import deque
@@ -17,10 +16,7 @@ Values = Sequence[float]
 
 
 class CubicSpline:
-    """The cubic spline through (t, y) without knots at the second and the last but one time; n >= 4.
-
-    Before the first and after the last time nothing changes any more.
-    """
+    """The not-a-knot cubic spline through (t, y), n >= 4; constant before the first and after the last time."""
 
     def __init__(self, t: ArrayLike, y: ArrayLike) -> None:
         self.t, self.y = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
@@ -42,7 +38,7 @@ class CubicSpline:
         return value, slope, a * m[0] + b * m[1]
 
     def values(self, t: Floats) -> Floats:
-        """Return the values (n,) at times (n,), as `at` does one by one."""
+        """Return the values (n,) at times (n,)."""
         t = np.clip(t, self.t[0], self.t[-1])
         k, h, a, b = self._places(t)
         bend = (a**3 - a) * self.m[k] + (b**3 - b) * self.m[k + 1]
@@ -71,9 +67,9 @@ class CubicSpline:
 
 
 class Curves:
-    """The CubicSpline of each of the last series, found by the identity of the tuples.
+    """The CubicSplines of the last series, by identity of the tuples.
 
-    A hash or a comparison of long tuples takes longer than the evaluation of the spline.
+    Hashing or comparing long tuples would take longer than the evaluation of the spline.
     """
 
     def __init__(self, most: int) -> None:
@@ -93,12 +89,12 @@ cubic = Curves(most=8).of
 
 
 def second_derivatives(t: Floats, y: Floats) -> Floats:
-    """Second derivatives (n,) at the knots of the not-a-knot cubic spline through (t, y), n >= 4."""
+    """Return the second derivatives (n,) at the knots of the not-a-knot cubic spline through (t, y), n >= 4."""
     h = np.diff(t)
     rhs = 6.0 * np.diff(np.diff(y) / h)
     diagonal = 2.0 * (h[:-1] + h[1:])
     lower, upper = h[:-1].copy(), h[1:].copy()
-    # Not-a-knot: the third derivative is continuous at the second and the last but one knot. This
+    # Not-a-knot: the third derivative is continuous at the second and the second to last knot. This
     # gives the outer unknowns as combinations of their two neighbours, put into the outer rows.
     diagonal[0] += h[0] * (h[0] + h[1]) / h[1]
     upper[0] -= h[0] ** 2 / h[1]
@@ -112,7 +108,7 @@ def second_derivatives(t: Floats, y: Floats) -> Floats:
 
 def _solve_tridiagonal(lower: Floats, diagonal: Floats, upper: Floats, rhs: Floats) -> Floats:
     """Solve by elimination; lower[0] and upper[-1] are not used."""
-    a, d, b, x = lower.tolist(), diagonal.tolist(), upper.tolist(), rhs.tolist()    # single numbers are faster as such
+    a, d, b, x = lower.tolist(), diagonal.tolist(), upper.tolist(), rhs.tolist()    # faster as Python numbers
     for k in range(1, len(x)):
         factor = a[k] / d[k - 1]
         d[k] -= factor * b[k - 1]
@@ -124,9 +120,9 @@ def _solve_tridiagonal(lower: Floats, diagonal: Floats, upper: Floats, rhs: Floa
 
 
 class Quintic:
-    """Pieces of fifth degree between times at which value, rate and second derivative are given, (n,) each.
+    """Quintic pieces between times with given value, rate and second derivative, (n,) each.
 
-    Before the first and after the last time nothing changes any more.
+    Constant before the first and after the last time.
     """
 
     def __init__(self, t: Floats, y: Floats, rate: Floats, second: Floats) -> None:
@@ -150,7 +146,7 @@ class Quintic:
 
 
 def rise(t: float, duration: float) -> tuple[float, float, float]:
-    """Return a smooth step from 0 to 1 in `duration`, with its first two derivatives; 1 from the start if it is 0."""
+    """Return a smooth step from 0 to 1 in `duration`, with its first two derivatives; 1 if the duration is 0."""
     if t >= duration:
         return 1.0, 0.0, 0.0
     b = max(t, 0.0) / duration
@@ -162,6 +158,6 @@ def rise(t: float, duration: float) -> tuple[float, float, float]:
 
 
 def product(one: Law, other: Law) -> Law:
-    """Return value, rate and second derivative of the product of two functions given by theirs."""
+    """Return value, rate and second derivative of the product of two functions."""
     (f, df, ddf), (g, dg, ddg) = one, other
     return f * g, df * g + f * dg, ddf * g + 2.0 * df * dg + f * ddg

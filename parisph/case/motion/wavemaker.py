@@ -1,7 +1,7 @@
-"""Motions of wavemakers, pistons and flaps, that make a given wave.
+"""Motions of pistons and flaps that make a given wave.
 
 A solitary wave: Goring (1978), Tsunamis: the propagation of long waves onto a shelf, W. M. Keck Laboratory KH-R-38. The
-piston moves with the mean velocity of the wave where it is, X' = c eta/(d + eta), here with the wave's own elevation.
+piston moves with the mean velocity of the wave at its position, X' = c eta/(d + eta), here with the exact elevation.
 
 Regular and irregular waves: the linear transfer functions of Biesel and Suquet, as in Dean & Dalrymple (1991), Water
 wave mechanics, Sec. 6.2. Regular waves get a second harmonic, see second_order.py.
@@ -25,10 +25,10 @@ from parisph.case.waves.solitary import SolitaryWave
 from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
 
-BLOCK = 1000    # times that are looked at together
-MANY = 1000     # periods of the peak of irregular waves that show how far their maker goes
-KNOTS = 600    # of the motion that makes a solitary wave
-LONGEST = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3, above which a wave of second order has a second crest
+BLOCK = 1000    # times evaluated together
+MANY = 1000     # peak periods of irregular waves that sample the range of their maker
+KNOTS = 600    # of the motion for a solitary wave
+LONGEST = 8.0 * np.pi**2 / 3.0    # of height length^2/depth^3: beyond, a second-order wave has a second crest
 
 Ramp = Annotated[float | None, Field(ge=0, description="time [s] in which the motion grows; default one period")]
 WaveTrain = Union[Airy, Stokes, StreamFunction, Jonswap]
@@ -44,7 +44,7 @@ def piston_ratio(k: float, depth: float) -> float:
 def flap_ratio(k: float, depth: float, hinge: float) -> float:
     """Return the height of waves over the stroke of a flap at the still surface; hinge : its height above the bed [m].
 
-    Below a hinge above the bed the wall is fixed; a hinge below the bed is a flap that the bed cuts off.
+    Below a hinge above the bed the wall is fixed. If the hinge is below the bed, the flap begins at the bed.
     """
     kd, low = k * depth, max(hinge, 0.0)
     arm = depth - hinge
@@ -58,7 +58,7 @@ def flap_ratio(k: float, depth: float, hinge: float) -> float:
 def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
     """Return the motion of the piston, and the distance [m] of the crest behind it at the start."""
     d, c = wave.depth, wave.celerity
-    # far away the wave is some 4 height exp(-rate x)
+    # far away the wave is about 4 height exp(-rate x)
     far = np.linspace(0.0, np.log(10.0 / tail) / wave.rate, KNOTS)
     ahead = np.interp(-np.log(tail), -np.log(wave.shape(far)[0] / wave.height), far)
     xi = np.linspace(ahead, -ahead, KNOTS)
@@ -66,12 +66,12 @@ def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
     moved = (area - area[0]) / d
     rate, second = c * eta / (d + eta), -((c * d) ** 2) * slope / (d + eta) ** 3
     for values in (rate, second):
-        values[[0, -1]] = 0.0    # it starts and ends at rest, within the first and the last piece
+        values[[0, -1]] = 0.0    # from and to rest within the first and the last piece
     return Quintic((ahead - xi + moved) / c, moved, rate, second), float(ahead)
 
 
 def _check_length(wave: WaveTrain | SolitaryWave, words: str) -> None:
-    """Raise ValueError if a regular wave is too long for the second order. words : the record that can do without"""
+    """Raise ValueError if a regular wave is too long for the second order. words : the record"""
     if isinstance(wave, (Airy, Stokes, StreamFunction)):
         ursell = wave.height * wave.length**2 / wave.depth**3
         if ursell > LONGEST:
@@ -100,7 +100,7 @@ def _harmonics(stroke: "_Stroke") -> tuple[Floats, Floats, Floats]:
 
 
 class _Stroke(Motion):
-    """The motion of a wavemaker: a sum of harmonics that grows from rest."""
+    """The motion of a wavemaker: a sum of harmonics growing from rest."""
 
     if TYPE_CHECKING:    # see Translation
         @property
@@ -128,7 +128,7 @@ class _Stroke(Motion):
 
     @property
     def train(self) -> WaveTrain:
-        """The wave that has harmonics, which a solitary wave has not."""
+        """The wave, which is not solitary."""
         return cast(WaveTrain, self.wave)
 
     @property
@@ -150,9 +150,9 @@ class _Stroke(Motion):
         return self._scale * values
 
     def instants(self, stop: float) -> Floats:
-        """See Motion: one period after its growth shows all of a regular motion.
+        """See Motion: until one period after the growth of a regular motion, MANY of an irregular one.
 
-        Of an irregular one MANY periods do: it goes on, but hardly farther.
+        An irregular motion hardly exceeds its range in MANY periods.
         """
         many = MANY if isinstance(self.train, Jonswap) else 1
         return evenly(self.train.period, min(stop, self._growth + many * self.train.period))
@@ -177,12 +177,12 @@ def _scaled(scale: float, law: Law) -> Law:
 class PistonStroke(_Stroke, Translation):
     """The motion of a vertical wall that makes a wave: a SolitaryWave, a regular wave, or a Jonswap.
 
-    wave : the wave; what it has as `at`, and its phases, are those of the scene. Only for a solitary wave, `at` is not
-        used: the piston starts at t = 0, and `made` is the wave in the scene
+    wave : the wave; `at` and phases are those in the scene. For a solitary wave `at` is ignored: the piston starts at
+        t = 0, and `made` is the wave in the scene
     place : x [m] of the wall at rest
-    second_order : whether regular waves get the second harmonic that keeps free waves of twice the frequency away
+    second_order : whether regular waves get the second harmonic that avoids free waves of twice the frequency
     ramp : [s] in which regular and irregular motion grows; default one period
-    tail : elevation over height at the piston when the motion for a solitary wave starts
+    tail : elevation over height at the piston when its motion for a solitary wave starts
 
     >>> stroke = PistonStroke(SolitaryWave(height=0.05, depth=0.25), place=0.0)
     >>> print(f"{stroke.made.celerity:.2f} m/s")
@@ -220,12 +220,12 @@ class PistonStroke(_Stroke, Translation):
 
     @property
     def moved(self) -> Profile:
-        """All of it moves alike."""
+        """The same displacement at all heights."""
         return np.ones_like, 0.0
 
     @property
     def made(self) -> WaveTrain | SolitaryWave:
-        """The wave in the scene: of a solitary wave, with the crest at t = 0 where it belongs, behind the wall."""
+        """The wave in the scene; the crest of a solitary wave is behind the wall at t = 0."""
         if not isinstance(self.wave, SolitaryWave):
             return self.wave
         ahead = _solitary(self.wave, self.tail)[1]
@@ -244,7 +244,7 @@ class PistonStroke(_Stroke, Translation):
         return Motion.values_at(self, times) if isinstance(self.wave, SolitaryWave) else super().values_at(times)
 
     def instants(self, stop: float) -> Floats:
-        if isinstance(self.wave, SolitaryWave):    # it goes one way
+        if isinstance(self.wave, SolitaryWave):    # monotonic
             knots: Floats = np.unique(np.minimum(_solitary(self.wave, self.tail)[0].t, stop))
             return knots
         return super().instants(stop)
@@ -303,10 +303,10 @@ class FlapStroke(_Stroke, Rotation):
 
     @property
     def moved(self) -> Profile:
-        """It moves in proportion to the height above the hinge, from the bed on if the hinge is below it."""
+        """Displacement proportional to the height above the hinge, from the hinge or the bed up."""
         hinge = self.centre[1] - self.bed
         return lambda y: (y - hinge) / self._arm, max(hinge, 0.0)
 
     @property
-    def _scale(self) -> float:    # a displacement towards +x is a turn with the clock
+    def _scale(self) -> float:    # a displacement towards +x is a clockwise turn
         return (1.0 if self.wave.leftward else -1.0) / self._arm

@@ -1,4 +1,4 @@
-"""Wave theories, as records that are part of a case and as pure functions of numbers and arrays. SI units.
+"""Wave theories, as records of a case and as pure functions of numbers and arrays. SI units.
 
 Every record gives `elevation(x, t)` and `velocity(x, y, t)`, see wavefield.py.
 """

@@ -23,7 +23,7 @@ from parisph.case.waves.wavefield import (
 
 
 def transfer(k: float, y: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return cosh(k y)/sinh(k depth) and sinh(k y)/sinh(k depth), also where the water is deep and both overflow."""
+    """Return cosh(k y)/sinh(k depth) and sinh(k y)/sinh(k depth) without overflow in deep water."""
     up, down = np.exp(k * (y - depth)), np.exp(-k * (y + depth))
     scale = -1.0 / np.expm1(-2.0 * k * depth)
     return scale * (up + down), scale * (up - down)
@@ -32,8 +32,8 @@ def transfer(k: float, y: Floats, depth: float) -> tuple[Floats, Floats]:
 class Airy(Travelling):
     """A regular wave of linear theory: eta = (height/2) cos(k (x - at) - omega t).
 
-    height [m], period [s], depth [m]. Above the still surface the velocity goes on as it is below. The error is of the
-    order of the steepness.
+    height [m], period [s], depth [m]. Velocities are extrapolated above the still surface. Errors are of the order of
+    steepness.
 
     >>> wave = Airy(height=0.05, period=1.2, depth=0.5)
     >>> print(f"{wave.length:.2f} m, {wave.elevation(0.0, 0.6):+.3f} m")    # half a period after the crest
@@ -86,9 +86,8 @@ class Airy(Travelling):
 class StandingWave(WaveField):
     """A linear standing wave: eta = amplitude cos(k (x - at)) sin(omega t + phase), k = 2 pi/length (Z17 Eqs 36-38).
 
-    amplitude, length, depth [m]; an antinode is `at` [m]. With phase = 0 the surface is flat at the start, with
-    phase = pi/2 the water is at rest. High waves start better flat: what the raised surface of linear theory lacks goes
-    along as free waves.
+    amplitude, length, depth [m]; an antinode is `at` [m]. With phase = 0 the surface is flat at the start, with phase =
+    pi/2 the water is at rest. High waves should start flat: a linear elevation makes free waves.
 
     >>> wave = StandingWave(amplitude=0.02, length=2.0, depth=1.0, phase=pi / 2)
     >>> print(f"{wave.elevation(0.0, 0.0):.3f} m, {wave.omega:.2f} rad/s")

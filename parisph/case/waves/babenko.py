@@ -1,6 +1,6 @@
 """The exact solitary wave: steady, irrotational, in units of depth and gravity.
 
-The water is the conformal image of a strip of height 1. There the elevation solves Babenko's equation
+The water is the conformal image of a strip of height 1, where the elevation solves Babenko's equation
 
     F^2 C eta - eta = eta C eta + C(eta^2)/2,    C with the symbol k coth k,
 
@@ -26,10 +26,10 @@ Complex = NDArray[np.complex128]
 Values = TypeVar("Values", Floats, Complex)
 
 HIGHEST = 0.75    # a/d, up to which the solution was checked; the highest wave has 0.8332
-TAIL = 36.0    # the wave has decayed by exp(-TAIL) at the ends of the period
-SMALL = 1e-14    # harmonics below this are left out
-STEP = 1e-8    # a step of Newton's method below this leaves an error of its square
-BLOCK = 2048    # points that are computed at a time, so that they stay in the cache
+TAIL = 36.0    # decay exp(-TAIL) at the ends of the period
+SMALL = 1e-14    # smaller harmonics are left out
+STEP = 1e-8    # last step of Newton's method, whose error is its square
+BLOCK = 2048    # points computed at once, which fit the cache
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,12 @@ class Solitary:
 
     @property
     def decay(self) -> float:
-        """Rate m at which the wave decays far from the crest, exp(-m x)."""
+        """Decay rate m far from the crest, exp(-m x)."""
         return _decay(self.F)
 
     @property
     def reach(self) -> float:
-        """Half of the length over which the wave is known; it is nothing beyond."""
+        """Half the length of the wave, which is zero beyond."""
         return 0.98 * self.half
 
     @cached_property
@@ -68,7 +68,7 @@ class Solitary:
 
     @cached_property
     def _fine(self) -> tuple[Floats, Floats, Floats]:
-        """alpha, x and dx/dalpha (n,) of even points on the surface, from the crest to the end of the period."""
+        """alpha, x and dx/dalpha (n,) at points on the surface, even in alpha, from the crest for half a period."""
         n, k = 4 * len(self.eta), np.arange(1, len(self.eta)) * np.pi / self.half
         sines = self.eta[1:] / np.tanh(k)
         room = np.zeros(n + 1 - len(self.eta))
@@ -79,7 +79,7 @@ class Solitary:
 
     @cached_property
     def _crossings(self) -> tuple[Floats, Floats]:
-        """x and alpha (n,) of points on the surface, from which Newton's method starts."""
+        """x and alpha (n,) of points on the surface, starts of Newton's method."""
         alpha, x, _ = self._fine
         return np.concatenate([-x[:0:-1], x]), np.concatenate([-alpha[:0:-1], alpha])
 
@@ -123,7 +123,7 @@ class Solitary:
         distinct, which = np.unique(x, return_inverse=True)
         above = self._on_surface(distinct)
         height = self.place(above)[0].imag
-        # start where the same share of the height below the surface is in the strip
+        # start at the same relative height in the strip
         share = y / height[which]
         omega = x + share * (above.real[which] - x) + 1j * share
         omega = _solve(self.place, omega, x + 1j * y)
@@ -143,7 +143,7 @@ class Solitary:
 def _solve(function: Callable[[Values], tuple[Values, Values]], start: Values, target: Values) -> Values:
     """Solve function(found) = target by Newton's method; function returns values and derivatives.
 
-    Each point stops for itself, so that its result does not depend on the others.
+    Each point stops separately, so its result does not depend on the others.
     """
     found, active = start, np.ones(len(start), dtype=bool)
     for _ in range(60):
@@ -169,7 +169,7 @@ def _sums(b: Floats, c: Floats, theta: Values) -> tuple[Values, Values]:
 
 @lru_cache(maxsize=16)
 def solitary(height: float) -> Solitary:
-    """Return the solitary wave of a height over depth, up to HIGHEST. Raises ValueError if it is not found."""
+    """Return the solitary wave of a relative height up to HIGHEST. Raises ValueError if it is not found."""
     F = float(np.sqrt(1.0 + height - height**2 / 20.0 - 3.0 * height**3 / 70.0))
     half = TAIL / _decay(F)
     found = babenko_solver.solve(height, F, half, _decay(F))
@@ -179,7 +179,7 @@ def solitary(height: float) -> Solitary:
 
 
 def _decay(F: float) -> float:
-    """Return the rate m at which the wave decays: exp(-m x) far away with tan(m)/m = F^2."""
+    """Return the decay rate m: exp(-m x) far away, with tan(m)/m = F^2."""
     low, high = 1e-9, np.pi / 2.0 - 1e-9
     for _ in range(100):
         m = 0.5 * (low + high)
@@ -198,6 +198,6 @@ def _record(F: float, eta: Floats, half: float) -> Solitary:
     stretch = 1.0 + np.fft.irfft(symbol * np.fft.rfft(eta), n)
     step = 2.0 * half / n
     mass = step * float(eta @ stretch)
-    # T = F^2 (M - integral of eta over alpha)/2: the flow of the wave less the uniform one of the strip
+    # T = F^2 (M - integral of eta over alpha)/2: flow of the wave minus the uniform flow of the strip
     kinetic = 0.5 * F * F * (mass - step * float(eta.sum()))
     return Solitary(F, half, harmonics[:last], mass, kinetic, 0.5 * step * float((eta**2) @ stretch))

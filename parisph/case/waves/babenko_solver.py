@@ -1,9 +1,9 @@
 """The solution of Babenko's equation for a solitary wave of a given height, by Newton's method.
 
-The unknowns are the harmonics of the elevation, which is even, and the speed F. Each step is found by GMRES, Saad &
-Schultz (1986), GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems, SIAM J. Sci.
-Stat. Comput. 7, 856-869. Divided by the linear part of the equation, F^2 C - 1, it converges alike on every grid.
-Petviashvili's iteration finds the same wave, but of 0.75 depths in some thousand times as many steps.
+The unknowns are the harmonics of the even elevation and the speed F. GMRES finds each step: Saad & Schultz (1986),
+GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems, SIAM J. Sci. Stat. Comput. 7,
+856-869. Division by the linear part of the equation, F^2 C - 1, makes its convergence independent of the grid.
+Petviashvili's iteration finds the same wave, but for 0.75 depths in about a thousand times as many steps.
 """
 
 from collections.abc import Callable
@@ -12,21 +12,20 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 
-CLOSE = 1e-13    # change of the elevation in the last step; that of Newton's method leaves an error of its square
+CLOSE = 1e-13    # change of the elevation in the last step, whose error is its square
 STEPS = 20    # of Newton's method, at most
 LEFT = 1e-6    # of the residual, by GMRES
 DIRECTIONS = 80    # of GMRES, at most
-FIRST, NEXT = 0.4, 0.1    # height that is found from sech^2, and by how much higher the next one may be
+FIRST, NEXT = 0.4, 0.1    # height of the wave found from sech^2, and largest increment to the next one
 COARSE, FINEST = 256, 16384    # intervals between crest and end
-NOTHING = 1e-14    # harmonics of the last eighth, where the grid is fine enough
+NOTHING = 1e-14    # limit of the last eighth of harmonics on a sufficient grid
 
 
 def solve(height: float, F: float, half: float, decay: float) -> tuple[float, Floats] | None:
     """Return the speed F and the elevation over alpha (2 n,), from the crest on, in units of depth and gravity.
 
     None if there is no such wave, or it needs more than FINEST intervals.
-
-    height : over depth; F, decay : speed and rate of decay that are nearly those of the wave; half : half the period
+    height : over depth; F, decay : approximate speed and decay rate of the wave; half : half the period
     """
     n, heights = COARSE, [*np.arange(FIRST, height, NEXT), height]
     alpha = np.arange(2 * n) * half / n
@@ -46,7 +45,7 @@ def solve(height: float, F: float, half: float, decay: float) -> tuple[float, Fl
 
 
 def _newton(height: float, half: float, F: float, a: Floats) -> tuple[float, Floats] | None:
-    """Return F and the harmonics a (n + 1,) of the wave of a height, from those of one near it; None without one."""
+    """Return F and the harmonics a (n + 1,) of the wave of a height, from those of a similar wave, or None."""
     n = len(a) - 1
     k = np.arange(n + 1) * np.pi / half
     C = np.concatenate([[1.0], k[1:] / np.tanh(k[1:])])
@@ -64,7 +63,7 @@ def _newton(height: float, half: float, F: float, a: Floats) -> tuple[float, Flo
 
         def changed(by: Floats, F: float = F, a: Floats = a, linear: Floats = linear, eta: Floats = eta,
                     bent: Floats = bent) -> Floats:
-            """Return how the equations change with the harmonics and F."""
+            """Return the derivative of the equations along a change of harmonics and F."""
             v = by[:-1]
             d_eta = values(v)
             d_residual = linear * v - product(d_eta, bent) - product(eta, values(C * v)) - C * product(eta, d_eta)
@@ -80,7 +79,7 @@ def _newton(height: float, half: float, F: float, a: Floats) -> tuple[float, Flo
 
 
 def gmres(apply: Callable[[Floats], Floats], right: Floats, left: float, most: int) -> Floats:
-    """Return x (n,) with apply(x) = right, up to a residual of `left` of right's norm, or by `most` directions.
+    """Return x (n,) with apply(x) = right, to a residual of `left` times the norm of right, or with `most` directions.
 
     apply : a linear function of vectors (n,)
     """
@@ -90,7 +89,7 @@ def gmres(apply: Callable[[Floats], Floats], right: Floats, left: float, most: i
     basis, H, y = [right / size], np.zeros((most + 1, most)), np.zeros(0)
     for m in range(most):
         w = apply(basis[m])
-        for _ in range(2):    # the second time for round-off
+        for _ in range(2):    # again, against round-off
             for i, b in enumerate(basis):
                 share = b @ w
                 H[i, m] += share

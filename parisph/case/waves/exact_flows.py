@@ -1,4 +1,4 @@
-"""Exact solutions of flows that are no waves, as reference: pure functions of numbers and arrays."""
+"""Exact reference solutions of flows other than waves: pure functions of numbers and arrays."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ MODES = 8000    # of the series
 
 def column_start_pressure(x: Values, y: Values, width: float, height: float, density: float = 1000.0, g: float = 9.81,
                           modes: int = MODES) -> Floats:
-    """Pressure [Pa] in a column of water just after its right support is removed.
+    """Return the pressure [Pa] in a column of water just after its right support is removed.
 
     Laplace's equation with p = 0 at y = height and x = width, dp/dx = 0 at x = 0 and dp/dy = -rho g at
     y = 0: p = rho g H (1 - y/H - sum_n 8/((2n-1) pi)^2 cos(a_n y) cosh(a_n x)/cosh(a_n L)), with
@@ -31,7 +31,7 @@ def column_start_pressure(x: Values, y: Values, width: float, height: float, den
 
 def drop_half_axes(times: Floats, radius: float, rate: float, stiffness: float = 0.0,
                    steps: int = 2000) -> tuple[Floats, Floats]:
-    """Half axes (a, b) of an elliptical drop that starts round with velocity (rate x, -rate y).
+    """Return the half axes (a, b) of an elliptical drop that starts as a circle with velocity (rate x, -rate y).
 
     The only body force is a central force -stiffness^2 r. The velocity keeps the form (s x, -s y), and
     the pressure is a paraboloid that vanishes on the ellipse. Hence a' = s a, b' = -s b and

@@ -17,11 +17,11 @@ from parisph.case.waves.linear import wave_number
 from parisph.case.waves.wavefield import Depth, Gravity, Leftward, WaveField, no_higher, steepest
 
 LOWEST, HIGHEST = 0.5, 4.0    # frequencies of the spectrum, over that of the peak
-POINTS = 20_000    # at which it is integrated
+POINTS = 20_000    # of its integration
 
 
 def density(ratio: Floats, gamma: float) -> Floats:
-    """Spectral density over frequency/peak frequency (any scale): ratio^-5 exp(-5/4 ratio^-4) gamma^r."""
+    """Return the spectral density over frequency/peak frequency (any scale): ratio^-5 exp(-5/4 ratio^-4) gamma^r."""
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     peak: Floats = gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
     energy: Floats = ratio**-5.0 * np.exp(-1.25 * ratio**-4.0) * peak
@@ -46,14 +46,14 @@ def components_of(wave: "Jonswap") -> tuple[Floats, Floats, Floats, Floats]:
     rng = np.random.default_rng(wave.seed)
     phase = 2.0 * np.pi * rng.random(wave.components)
     share = np.diff(np.interp(edges, grid, below))
-    # within its band: by its energy in the middle, or anywhere, so that equal bands do not repeat themselves
+    # within its band: at half of its energy, or random, so that equal bands do not repeat the series
     if wave.bands == "energy":
         ratio = np.interp((np.arange(wave.components) + 0.5) / wave.components, below, grid)
     else:
         ratio = edges[:-1] + np.diff(edges) * rng.random(wave.components)
     omega = 2.0 * np.pi / wave.period * ratio
     k = np.array([float(wave_number(value, wave.depth, wave.g)) for value in omega])
-    # the variance is (height/4)^2, and that of a component half its amplitude squared
+    # the variance is (height/4)^2, that of a component half its squared amplitude
     return wave.height / 4.0 * np.sqrt(2.0 * share), omega, k, phase
 
 
@@ -62,13 +62,12 @@ class Jonswap(WaveField):
 
     gamma : peak enhancement; 1 for the spectrum of Pierson and Moskowitz
     seed : of the phases; the same number gives the same waves
-    components : how many waves are added
-    bands : "energy" for components of equal energy, each at the frequency that halves its band's energy: none is
-        wasted, and the series does not repeat itself; "frequency" for bands of equal width, with a
-        random frequency in each
+    components : number of waves in the sum
+    bands : "energy" for components of equal energy, each at the frequency that halves the energy of its band, so the
+        series does not repeat; "frequency" for bands of equal width, with a random frequency in each
 
-    Frequencies are from 0.5 to 4 times that of the peak. Below the surface, velocities are those at the same share of
-    the depth (Wheeler), because the shortest waves would grow without limit under the crests of the longest.
+    Frequencies are from 0.5 to 4 times that of the peak. Velocities are those at the same relative depth (Wheeler),
+    because under long crests those of the shortest waves would grow without limit.
 
     >>> sea = Jonswap(height=0.06, period=1.5, depth=0.5, seed=3)
     >>> sea.elevation(0.0, [0.0, 0.5, 1.0]).shape
@@ -81,8 +80,8 @@ class Jonswap(WaveField):
     depth: Depth
     gamma: Annotated[float, Field(ge=1, le=20, description="peak enhancement")] = 3.3
     seed: Annotated[int, Field(ge=0, description="seed of the phases")] = 0
-    components: Annotated[int, Field(ge=2, le=2000, description="number of waves that are added")] = 200
-    bands: Annotated[Literal["energy", "frequency"], Field(description="what the bands have in common")] = "energy"
+    components: Annotated[int, Field(ge=2, le=2000, description="number of waves in the sum")] = 200
+    bands: Annotated[Literal["energy", "frequency"], Field(description="quantity that all bands share")] = "energy"
     leftward: Leftward = False
     g: Gravity = 9.81
 

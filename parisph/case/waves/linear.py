@@ -11,13 +11,13 @@ Values = float | Floats
 
 
 def angular_frequency(k: Number, depth: float, g: float = 9.81) -> Number:
-    """Angular frequency [rad/s] of linear waves of wave number k [1/m]: omega^2 = g k tanh(k depth)."""
+    """Return the angular frequency [rad/s] of linear waves of wave number k [1/m]: omega^2 = g k tanh(k depth)."""
     omega: Number = np.sqrt(g * k * np.tanh(k * depth))
     return omega
 
 
 def wave_number(omega: Number, depth: float, g: float = 9.81) -> Number:
-    """Wave number [1/m] of linear waves of angular frequency omega [rad/s], the inverse of angular_frequency."""
+    """Return the wave number [1/m] of linear waves of angular frequency omega [rad/s], inverse of angular_frequency."""
     target = omega**2 * depth / g
     kd: Number = target / np.sqrt(np.tanh(target))    # Eckart's approximation, within 5 %
     for _ in range(20):
@@ -27,21 +27,21 @@ def wave_number(omega: Number, depth: float, g: float = 9.81) -> Number:
 
 
 def standing_wave_elevation(x: Values, t: Values, amplitude: float, k: float, depth: float, g: float = 9.81) -> Values:
-    """Elevation [m] of a linear standing wave with an antinode at x = 0: a cos(kx) sin(omega t) (Z17 Eq 36)."""
+    """Return the elevation [m] of a linear standing wave, a cos(kx) sin(omega t) (Z17 Eq 36)."""
     eta: Values = amplitude * np.cos(k * x) * np.sin(angular_frequency(k, depth, g) * t)
     return eta
 
 
 def standing_wave_velocity(x: Values, y: Values, t: Values, amplitude: float, k: float, depth: float,
                            g: float = 9.81) -> tuple[Values, Values]:
-    """Velocity components (u, v) [m/s] of a linear standing wave (Z17 Eqs 37, 38)."""
+    """Return the velocity (u, v) [m/s] of a linear standing wave (Z17 Eqs 37, 38)."""
     omega = angular_frequency(k, depth, g)
     scale = amplitude * omega / np.sinh(k * depth) * np.cos(omega * t)
     return -scale * np.cosh(k * y) * np.sin(k * x), scale * np.sinh(k * y) * np.cos(k * x)
 
 
 def standing_wave_start(amplitude: float, k: float, depth: float, g: float = 9.81) -> tuple[str, str]:
-    """The velocity of a standing wave at t = 0, when its surface is flat, as expressions for Fluid(velocity=...)."""
+    """Return the velocity of a standing wave at t = 0, with a flat surface, as expressions for Fluid(velocity=...)."""
     scale = float(amplitude * angular_frequency(k, depth, g) / np.sinh(k * depth))
     k = float(k)
     return f"-{scale!r}*cosh({k!r}*y)*sin({k!r}*x)", f"{scale!r}*sinh({k!r}*y)*cos({k!r}*x)"

@@ -12,22 +12,21 @@ from parisph.case.waves.airy import transfer
 from parisph.case.waves.linear import angular_frequency
 from parisph.case.waves.wavefield import Depth, Gravity, WaveField
 
-MODES = 400    # of the series, which then has an error below 1e-7 of the wave
+MODES = 400    # of the series, for an error below 1e-7 of the wave
 
 
 def sway_sloshing_elevation(x: ArrayLike, t: ArrayLike, length: float, depth: float, amplitude: float, frequency: float,
                             g: float = 9.81, modes: int = MODES) -> Floats:
-    """Linear elevation in a tank swaying with X = amplitude (1 - cos(frequency t)), in the tank's frame.
+    """Return the linear elevation in a tank that sways by X = amplitude (1 - cos(frequency t)), in the tank's frame.
 
-    Z14 Eqs 34 and 35 after Faltinsen, with a plus sign for this X (printed: minus), less the depth.
+    Z14 Eqs 34 and 35 after Faltinsen, minus the depth, with a plus sign for this X (printed: minus).
 
     x : distance from the left wall [m]; t : [s]; they broadcast
     length, depth : of the water [m]
     amplitude [m], frequency [rad/s] : of the sway
-    modes : the series runs over the odd mode numbers below this
+    modes : the series has the odd modes below this number
 
-    Returns:
-    array of the broadcast shape [m]
+    Returns: array of the broadcast shape [m]
     """
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
     eta = np.zeros(x.shape)
@@ -46,15 +45,15 @@ def _modes(length: float, depth: float, amplitude: float, frequency: float, g: f
 
 
 def _beat(omega: float, frequency: float, t: Floats) -> Floats:
-    """(cos(frequency t) - cos(omega t))/(omega^2 - frequency^2), also at resonance."""
-    # A product of sines does not cancel where the two frequencies are close.
+    """Return (cos(frequency t) - cos(omega t))/(omega^2 - frequency^2), also at resonance."""
+    # A product of sines does not cancel for close frequencies.
     mean, half = 0.5 * (omega + frequency), 0.5 * (omega - frequency)
     beat: Floats = np.sin(mean * t) * np.sinc(half * t / np.pi) * t / (2.0 * mean)
     return beat
 
 
 def _beat_rate(omega: float, frequency: float, t: Floats) -> Floats:
-    """The time derivative of _beat."""
+    """Return the time derivative of _beat."""
     mean, half = 0.5 * (omega + frequency), 0.5 * (omega - frequency)
     rate: Floats = (0.5 * np.cos(mean * t) * np.sinc(half * t / np.pi) * t
                     + 0.5 * np.sin(mean * t) * np.cos(half * t) / mean)
@@ -62,7 +61,7 @@ def _beat_rate(omega: float, frequency: float, t: Floats) -> Floats:
 
 
 class Sloshing(WaveField):
-    """Linear sloshing in a tank that sways by X = amplitude (1 - cos(frequency t)) from rest, seen from the tank.
+    """Linear sloshing in a tank that sways by X = amplitude (1 - cos(frequency t)) from rest, in the tank's frame.
 
     length, depth : of the water [m]; amplitude [m] and frequency [rad/s] : of the sway; at : x of the left wall [m]
 
@@ -84,7 +83,7 @@ class Sloshing(WaveField):
         return sway_sloshing_elevation(x, t, self.length, self.depth, self.amplitude, self.frequency, self.g)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """See WaveField: that of the potential whose normal derivative at y = depth is the rate of the elevation."""
+        """See WaveField: of the potential whose normal derivative at y = depth is the rate of the elevation."""
         x, y, t = np.broadcast_arrays(
             np.asarray(x, dtype=float) - self.at, np.asarray(y, dtype=float), np.asarray(t, dtype=float)
         )

@@ -1,4 +1,4 @@
-"""The solitary wave: exact, or by a theory of low waves.
+"""The solitary wave: exact, or by a theory for low waves.
 
 Grimshaw (1971), The solitary wave in water of variable depth, Part 2, J. Fluid Mech. 46, 611-622, to the third order.
 Boussinesq's wave is Z17 Eq 34; its velocity here is uniform over the depth and carries the exact flux.
@@ -106,7 +106,7 @@ class SolitaryWave(Travelling):
 
     @property
     def rate(self) -> float:
-        """Rate m [1/m] at which the elevation decays far from the crest, exp(-m x)."""
+        """Decay rate m [1/m] of the elevation far from the crest, exp(-m x)."""
         e = self.relative
         if self.theory == "exact":
             return babenko.solitary(e).decay / self.depth

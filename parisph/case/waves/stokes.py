@@ -1,7 +1,7 @@
 """Stokes waves up to the fifth order.
 
-Fenton (1985), A fifth-order Stokes theory for steady waves, J. Waterway Port Coast. Ocean Eng. 111(2), 216-234. The
-coefficients are tested by the residuals of the surface conditions, which fall with the sixth power of the steepness.
+Fenton (1985), A fifth-order Stokes theory for steady waves, J. Waterway Port Coast. Ocean Eng. 111(2), 216-234. A test
+of the coefficients: residuals of the surface conditions fall with the sixth power of the steepness.
 """
 
 from collections.abc import Callable
@@ -89,7 +89,7 @@ def _wave_number(height: float, period: float, depth: float, g: float, order: in
 
 @lru_cache(maxsize=64)
 def _harmonics(k: float, height: float, depth: float, g: float, order: int) -> tuple[Floats, Floats]:
-    """Amplitudes of the harmonics 1 to 5: of elevation [m], and of velocity over cosh and sinh of n k y [m/s]."""
+    """Return amplitudes of harmonics 1 to 5: of elevation [m], and of velocity over cosh and sinh of n k y [m/s]."""
     A, B, C = _coefficients(k * depth)
     steepness, n = 0.5 * k * height, np.arange(1, 6)
     eta, speed = np.zeros(5), np.zeros(5)
@@ -103,8 +103,7 @@ def _harmonics(k: float, height: float, depth: float, g: float, order: int) -> t
 class Stokes(Travelling):
     """A regular wave by Stokes's expansion to the order 2, 3, 4 or 5, of given height [m], period [s] and depth [m].
 
-    The mean Eulerian current is zero. The theory is for waves that are not long: height length^2/depth^3 up to
-    about 40; use StreamFunction for longer ones.
+    The mean Eulerian current is zero. Valid for height length^2/depth^3 <= 40; use StreamFunction for longer waves.
 
     >>> wave = Stokes(height=0.1, period=1.2, depth=0.5)
     >>> print(f"crest {wave.elevation(0.0, 0.0):.3f} m, trough {wave.elevation(0.0, 0.6):.3f} m")

@@ -5,7 +5,7 @@ frame of the wave, with lengths in depths and speeds in sqrt(g depth),
 
     psi(x, y) = -U y + sum_j B_j sinh(j k y)/cosh(j k) cos(j k x),
 
-psi = -q on the surface, and Bernoulli's equation holds there at points from crest to trough.
+psi = -q on the surface, with Bernoulli's equation at points from crest to trough.
 """
 
 from functools import lru_cache
@@ -30,17 +30,17 @@ from parisph.case.waves.wavefield import (
 )
 
 CONVERGED = 1e-11    # of the residuals
-FIRST = 0.1    # height of the first of the waves through which the solution is followed, over the highest
+FIRST = 0.1    # height over the highest: first wave of the continuation, and largest increment
 
 
 def _ratios(n: Any, k: Any, y: Any) -> tuple[Any, Any]:
-    """Return cosh(n k y)/cosh(n k) and sinh(n k y)/cosh(n k); for complex arguments too, and without overflow."""
+    """Return cosh(n k y)/cosh(n k) and sinh(n k y)/cosh(n k); also for complex arguments, without overflow."""
     up, down, scale = np.exp(n * k * (y - 1.0)), np.exp(-n * k * (y + 1.0)), 1.0 + np.exp(-2.0 * n * k)
     return (up + down) / scale, (up - down) / scale
 
 
 class _Equations:
-    """The equations of a wave in units of depth and gravity, of its elevations, B, U, q, Bernoulli's constant and k."""
+    """The equations of a wave in units of depth and gravity, for elevations, B, U, q, Bernoulli's constant and k."""
 
     def __init__(self, order: int, period: float, closed: bool) -> None:
         self.order, self.period, self.closed = order, period, closed
@@ -54,7 +54,7 @@ class _Equations:
         return state[: n + 1], state[n + 1 : 2 * n + 1], *state[2 * n + 1 :]
 
     def celerity(self, U: Any, q: Any) -> Any:
-        """With a mean Eulerian current of zero, or a mean flux of zero."""
+        """Return the celerity for zero mean flux if closed, else for zero mean Eulerian current."""
         return q if self.closed else U
 
     def residuals(self, state: Array, height: float) -> Array:
@@ -73,7 +73,7 @@ class _Equations:
         )
 
     def jacobian(self, state: Floats, height: float) -> Floats:
-        """By complex steps, which are exact."""
+        """Return the derivatives of the residuals, exact by complex steps."""
         found = np.empty((len(state), len(state)))
         for column in range(len(state)):
             moved = state.astype(complex)
@@ -90,7 +90,7 @@ class _Equations:
         return np.concatenate([0.5 * height * np.cos(self.places), B, [U, U, 0.5 * U * U, k]])
 
     def newton(self, state: Floats, height: float) -> Floats | None:
-        """Return the solution near a state, None if there is none."""
+        """Return the solution near a state, or None."""
         for _ in range(30):
             f = self.residuals(state, height)
             if not np.all(np.isfinite(f)):
@@ -108,9 +108,8 @@ class _Equations:
 def solve(height: float, period: float, order: int, closed: bool) -> tuple[Any, ...] | None:
     """Return eta, its cosine amplitudes (order + 1,), B (order,), celerity, U, k and the largest residual.
 
-    None if there is no solution.
-
-    height, period : in units of depth and gravity; the solution is followed from low waves to this height
+    None without a solution.
+    height, period : in units of depth and gravity; the solution is continued from low waves to this height
     """
     equations = _Equations(order, period, closed)
     length = 2.0 * np.pi / float(wave_number(2.0 * np.pi / period, 1.0, 1.0))
@@ -175,7 +174,7 @@ class StreamFunction(Travelling):
 
     @property
     def _solution(self) -> tuple[Any, ...]:
-        return cast(tuple[Any, ...], self._solved())    # _exists has seen that there is one
+        return cast(tuple[Any, ...], self._solved())    # checked by _exists
 
     def _solved(self) -> tuple[Any, ...] | None:
         return solve(

@@ -1,7 +1,6 @@
-"""What every wave is: elevation and velocity at any place and time.
+"""The interface of all waves: elevation and velocity at any place and time.
 
 Waves are data of a case. The same record gives a start, the truth of a gauge, and the motion of a wavemaker.
-
 x is in the scene, y is measured from the bed, elevations from the still surface, and t = 0 is the start of the run.
 SI units; g is the acceleration of gravity.
 """
@@ -30,17 +29,17 @@ class WaveField(Model):
 
     @abstractmethod
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Elevation [m] of the surface at x [m] and t [s], which broadcast."""
+        """Return the elevation [m] of the surface at x [m] and t [s], which broadcast."""
 
     @abstractmethod
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
-        """Velocity components (u, v) [m/s] at x, y [m] and t [s], which broadcast; y is the height above the bed."""
+        """Return the velocity (u, v) [m/s] at x, y [m] and t [s], which broadcast; y is the height above the bed."""
 
 
 class Travelling(WaveField):
     """A wave of permanent form, with a crest at x = `at` when t = 0."""
 
-    if TYPE_CHECKING:    # fields of each kind; as fields of this class they would come first
+    if TYPE_CHECKING:    # fields of each subclass; as fields of this class they would come first
         @property
         def at(self) -> float: ...
         @property
@@ -72,13 +71,13 @@ class Travelling(WaveField):
         return -1.0 if self.leftward else 1.0
 
     def _ahead(self, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Return the distance of x from the crest, positive where the wave goes [m]."""
+        """Return the distance [m] of x from the crest, positive in the direction of the wave."""
         ahead: Floats = self._sign * (np.asarray(x, dtype=float) - self.at) - self.celerity * np.asarray(t, dtype=float)
         return ahead
 
 
 def no_higher(height: float, most: float, where: str, remedy: str) -> None:
-    """Raise ValueError if a wave's height is more than `most` [m], the highest possible `where`."""
+    """Raise ValueError if the height of a wave exceeds `most` [m]; where : meaning of `most`."""
     if not height <= most:
         raise ValueError(f"height = {shown(height)}: must be at most {most:.4g} m, {where}; {remedy}")
 
@@ -86,7 +85,7 @@ def no_higher(height: float, most: float, where: str, remedy: str) -> None:
 def steepest(depth: float, length: float) -> float:
     """Return the height [m] of the highest steady wave of a length [m] in water of a depth [m].
 
-    Williams' results as fitted by Fenton (1990, Eq 32): within 1 % of them.
+    Fit of Williams' results by Fenton (1990, Eq 32), within 1 %.
     """
     ratio = length / depth
     return (
