@@ -97,20 +97,15 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
 
 def _say(error: BaseException, trace: bool) -> None:
     """Print an error; do nothing if standard error cannot be written."""
-    with suppress(OSError):
-        _print(error, trace)
-
-
-def _print(error: BaseException, trace: bool) -> None:
-    if trace:
-        traceback.print_exception(error)
-    if isinstance(error, (ParisphError, KeyboardInterrupt)):
-        text = str(error) or "interrupted"
-    else:
-        text = f"{type(error).__name__}: {of_error(error)} (a fault in parisph or in a library)"
+    meant = isinstance(error, (ParisphError, KeyboardInterrupt))
+    text = str(error) or "interrupted" if meant else (
+        f"{type(error).__name__}: {of_error(error)} (a fault in parisph or in a library)")
     # Names of files and texts of stored runs may hold anything, at any length; the terminal gets little of it.
     text = "\n".join(clipped(line, WIDEST) for line in plain_lines(text).split("\n"))
-    print(f"parisph: error: {text}", file=sys.stderr, flush=True)
+    with suppress(OSError):
+        if trace:
+            traceback.print_exception(error)
+        print(f"parisph: error: {text}", file=sys.stderr, flush=True)
 
 
 def _running_world() -> "MPI.Comm | None":

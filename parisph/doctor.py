@@ -166,10 +166,6 @@ _QUESTIONS = {"numpy": _ask_numpy, "numba": _ask_numba, "MPI": _ask_mpi, "PETSc"
 
 # ---- the answers are judged here: answer -> (ok, detail, remedy), each for a Finding
 
-def _judge_numpy(answer: Answer) -> Judgement:
-    return True, answer["version"], ""
-
-
 def _judge_numba(answer: Answer) -> Judgement:
     return answer["works"], answer["version"] + ("" if answer["works"] else ", makes wrong machine code"), (
         "unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, or install another release of numba")
@@ -189,10 +185,6 @@ def _judge_kernels(answer: Answer) -> Judgement:
     return True, f"{detail}{where}", ""
 
 
-def _judge_mpi(answer: Answer) -> Judgement:
-    return True, f"{answer['version']}; mpi4py {answer['mpi4py']}", ""
-
-
 def _judge_petsc(answer: Answer) -> Judgement:
     hypre = {None: "without hypre", "": "hypre (version unknown)"}.get(answer["hypre"], f"hypre {answer['hypre']}")
     detail = f"{answer['PETSc']} ({answer['scalar']}, {answer['integer']}), {hypre}; petsc4py {answer['petsc4py']}"
@@ -210,10 +202,10 @@ def _judge_hdf5(answer: Answer) -> Judgement:
 
 # (name, module in Python, {what a Finding is about: judge}, remedy if it cannot be loaded)
 _LIBRARIES = (
-    ("numpy", "numpy", {"numpy": _judge_numpy}, "pip install numpy"),
+    ("numpy", "numpy", {"numpy": lambda answer: (True, answer["version"], "")}, "pip install numpy"),
     ("numba", "numba", {"numba": _judge_numba, "kernels": _judge_kernels},
      "pip install numba, in a release that supports this numpy"),
-    ("MPI", "mpi4py", {"MPI": _judge_mpi}, PACKAGES),
+    ("MPI", "mpi4py", {"MPI": lambda answer: (True, f"{answer['version']}; mpi4py {answer['mpi4py']}", "")}, PACKAGES),
     ("PETSc", "petsc4py", {"PETSc": _judge_petsc}, PACKAGES),
     ("HDF5", "h5py", {"HDF5": _judge_hdf5}, PACKAGES),
 )
@@ -271,7 +263,7 @@ def _run(command: Sequence[str]) -> Answer:
     """Run a command in an empty folder; return the JSON of its last line. Raises ParisphError."""
     with tempfile.TemporaryDirectory(prefix="parisph-doctor-") as folder:
         try:
-            done = launch.run(command, LIMIT, _child_environment(), cwd=folder)
+            done = launch.run(command, LIMIT, environment.for_own(), cwd=folder)
         except subprocess.TimeoutExpired:
             raise ParisphError(f"no answer within {LIMIT:.0f} s") from None
     lines = done.stdout.strip().splitlines()
@@ -280,14 +272,6 @@ def _run(command: Sequence[str]) -> Answer:
     except (IndexError, ValueError):
         raise ParisphError(_cause(done)) from None
     return answer
-
-
-def _child_environment() -> dict[str, str]:
-    """Return the environment of a child process that imports this parisph, installed or not."""
-    variables = environment.for_launching()
-    here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    variables["PYTHONPATH"] = os.pathsep.join(filter(None, [here, variables.get("PYTHONPATH")]))
-    return variables
 
 
 def _cause(done: subprocess.CompletedProcess[str]) -> str:

@@ -62,7 +62,7 @@ def _run(verbs: Verbs) -> None:
                            "or the first free runs/NAME-2, ...)")
     verb.add_argument("--overwrite", action="store_true",
                       help="If DIR holds a run, move it to DIR.old, DIR.old-2, ... first")
-    _add_progress(verb)
+    _add_progress(verb, petsc=[], collective=True)
 
 
 def _restart(verbs: Verbs) -> None:
@@ -73,7 +73,7 @@ def _restart(verbs: Verbs) -> None:
     verb.add_argument("--until", type=arguments.number, metavar="T", help="Set a new end time [s]")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write to this folder (default: that of the run, only from its last checkpoint)")
-    _add_progress(verb)
+    _add_progress(verb, petsc=[], collective=True)
 
 
 def _check(verbs: Verbs) -> None:
@@ -101,8 +101,7 @@ def _study(verbs: Verbs) -> None:
     verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds on the clock")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write the study to this folder (default: studies/NAME, named after FILE)")
-    verb.add_argument("-q", "--quiet", action="store_true", help=QUIET)
-    verb.add_argument("--force", action="store_true", help=FORCE)
+    _add_progress(verb)
 
 
 def _info(verbs: Verbs) -> None:
@@ -218,10 +217,10 @@ def _add_parts(verb: argparse.ArgumentParser) -> None:
                       help="Run a Python file first that registers parts of methods (may be repeated)")
 
 
-def _add_progress(verb: argparse.ArgumentParser) -> None:
+def _add_progress(verb: argparse.ArgumentParser, **defaults: Any) -> None:
     verb.add_argument("-q", "--quiet", action="store_true", help=QUIET)
     verb.add_argument("--force", action="store_true", help=FORCE)
-    verb.set_defaults(petsc=[], collective=True)
+    verb.set_defaults(**defaults)
 
 
 def _add_run(verb: argparse.ArgumentParser) -> None:

@@ -21,7 +21,12 @@ def _run(args: argparse.Namespace) -> None:
     if environment.launched()[1] > 1:
         ranks.world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
-    text, origin, out, parts = ranks.on_first(lambda: _prepared(args))
+
+    def prepared() -> tuple[str, dict[str, Any], str, list[str]]:
+        case = _load(args)
+        return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
+
+    text, origin, out, parts = ranks.on_first(prepared)
     ranks.stop_if_asked()
     comm = ranks.world()
     from parisph import driver
@@ -33,12 +38,6 @@ def _run(args: argparse.Namespace) -> None:
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
                          force=args.force)
     _tell(comm, summary, out)
-
-
-def _prepared(args: argparse.Namespace) -> tuple[str, dict[str, Any], str, list[str]]:
-    """Return (case as JSON text, its origin, folder for the run, files that have registered parts). On one rank."""
-    case = _load(args)
-    return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
 
 
 def _restart(args: argparse.Namespace) -> None:
@@ -215,13 +214,11 @@ def _compare(args: argparse.Namespace) -> None:
 
 
 def _reflection(args: argparse.Namespace) -> None:
-    from parisph.case import stored
     from parisph.io import reader
     from parisph.truth import reflected
 
     run = reader.open_run(args.run)
-    case = stored.from_json(json.dumps(run.case), read_only=True)
-    found = reflected.analysed(case, run, args.probes, args.period, args.depth, args.start, args.end)
+    found = reflected.analysed(run.scene, run, args.probes, args.period, args.depth, args.start, args.end)
     print(json.dumps(found, indent=2) if args.json else reflected.text(found))
 
 

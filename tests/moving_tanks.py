@@ -3,13 +3,14 @@
 import numpy as np
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, PressureTap, Roll, Sway, Tank
+from parisph import PressureTap, Roll, Sway, Tank
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.waves import angular_frequency
 from parisph.driver import Simulation
 from parisph.watch import instruments
 from parisph.watch.gauges import COLUMN
 from parisph.watch.probes.surface_gauge import surface_height
+from tests.scenes import water
 
 G = 9.81
 SERIES = ("left gauge", "right gauge", "left pressure", "right pressure", "left level", "right level")
@@ -46,11 +47,9 @@ def tank_case(motion, moving, size, end_time, **numerics):
     """Return the Case of an oblong tank. size : its length and height, and the depth of its water [m]"""
     length, height, depth = size
     tank = Tank(length, height, lid=True)
-    return Case(
-        title="walls that move" if moving else "frame that moves", fluid=Fluid(Box(length, depth), density=1000.0),
-        walls=tank.model_copy(update={"motion": motion}) if moving else tank, gravity=(0.0, -G), end_time=end_time,
-        probes=[PressureTap("left", at=(0.0, 0.5 * depth)), PressureTap("right", at=(length, 0.5 * depth))],
-        numerics=Numerics(**numerics), **({} if moving else {"frame": motion}))
+    return water((length, depth), tank.model_copy(update={"motion": motion}) if moving else tank, numerics,
+                 gravity=(0.0, -G), end_time=end_time, **({} if moving else {"frame": motion}),
+                 probes=[PressureTap("left", at=(0.0, 0.5 * depth)), PressureTap("right", at=(length, 0.5 * depth))])
 
 
 def histories(case):

@@ -33,3 +33,10 @@ def as_user(number):
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("another user cannot read this clone or the libraries")
     return user
+
+
+def become(user):
+    """Become another user, for good."""
+    os.setgroups([])
+    os.setgid(user)
+    os.setuid(user)

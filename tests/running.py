@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import h5py
@@ -89,6 +89,15 @@ class Running:
         """Return the process ids of the ranks, in the order in which they were started."""
         return sorted(_children(self.process.pid)) if self._several else [self.process.pid]
 
+    def gone(self, pids, seconds):
+        """Wait for the end of mpirun and of its ranks, which go on for a moment without it; return whether it came."""
+        deadline = time.monotonic() + seconds
+        while self.process.poll() is None or any(map(lives, pids)):
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.01)
+        return True
+
     def wait(self):
         """Wait for the end and return the exit code."""
         return self.process.wait(LONG)
@@ -107,13 +116,16 @@ def running(folder, ranks, *words, case=FALLING, change="", **settings):
     try:
         yield run
     finally:
-        for pid in (*_children(run.process.pid), run.process.pid):
-            try:
-                os.kill(pid, 9)
-            except ProcessLookupError:
-                pass
+        send((*_children(run.process.pid), run.process.pid), signal.SIGKILL)
         run.process.wait()
         run._out.close()
+
+
+def send(pids, number):
+    """Send a signal to those processes that have not ended by themselves."""
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            os.kill(pid, number)
 
 
 def handles(pid):

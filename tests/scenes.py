@@ -5,6 +5,8 @@ from textwrap import indent
 import numpy as np
 
 from parisph.case.load import load
+from parisph.case.model import Model
+from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from tests.launch import ROOT, mpirun
 
 # The head of a program that runs on several ranks.
@@ -22,6 +24,20 @@ def scene(name, numerics=None, **sets):
     """Return the Case of cases/NAME.py with some of its parameters set, and some of its Numerics changed."""
     case = load(ROOT / "cases" / f"{name}.py", [f"{key}={value}" for key, value in sets.items()])
     return case.changed(**{f"numerics.{key}": value for key, value in (numerics or {}).items()})
+
+
+def water(shape, tank, numerics, **about):
+    """Return the Case of water of a shape, or in a Box of these fields, between walls, or in a Tank of these fields.
+
+    numerics : the spacing, or a dict of fields; about : further fields of the case, and of its Fluid
+    """
+    of_fluid = {name: about.pop(name) for name in set(Fluid.model_fields) & set(about)}
+    shape = Box(*shape) if isinstance(shape, tuple) else shape
+    walls = Tank(*tank) if isinstance(tank, tuple) and not isinstance(tank[0], Model) else tank
+    numerics = Numerics(**(numerics if isinstance(numerics, dict) else {"spacing": numerics}))
+    fluid = shape if isinstance(shape, Fluid) else Fluid(shape, **{"density": 1000.0, **of_fluid})
+    return Case(**{"title": "water", "fluid": fluid, "walls": walls,
+                   "gravity": (0.0, -9.81), "end_time": 1.0, "numerics": numerics, **about})
 
 
 def made_motion(folder):

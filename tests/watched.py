@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.case.schema import Tank
 from parisph.driver.solid_walls import elements_of
 from parisph.geometry import build as geometry
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch import instruments
+from tests.scenes import water
 
 G, DENSITY = 9.81, 1000.0
 
@@ -15,12 +16,9 @@ G, DENSITY = 9.81, 1000.0
 def scene(watched, spacing=0.05, width=1.0, depth=0.5, tank=(1.0, 1.0), at=(0.0, 0.0), elevation=None,
           gravity=(0.0, -G), velocity=(0.0, 0.0), shape=None, jitter=0.0, lid=False, wave=None):
     """Return the Case of a box of water, in a tank of size `tank` at `at` or without one (None)."""
-    shape = shape or Box(width=width, height=depth, at=at)
-    return Case(
-        title="watched", fluid=Fluid(shape, density=DENSITY, elevation=elevation, velocity=velocity, wave=wave),
-        walls=None if tank is None else Tank(width=tank[0], height=tank[1], lid=lid, at=at), gravity=gravity,
-        numerics=Numerics(spacing=spacing, jitter=jitter), probes=watched, end_time=1.0,
-    )
+    walls = None if tank is None else Tank(width=tank[0], height=tank[1], lid=lid, at=at)
+    return water(shape or (width, depth, at), walls, dict(spacing=spacing, jitter=jitter), density=DENSITY,
+                 elevation=elevation, velocity=velocity, wave=wave, gravity=gravity, probes=watched)
 
 
 class Watch:

@@ -144,3 +144,10 @@ def for_launching(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
     clean.update(LOOPBACK)
     _prepare_any(clean)
     return clean
+
+
+def for_own(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return `for_launching` with this parisph to import, installed or not."""
+    found, here = for_launching(environ), str(Path(__file__).resolve().parents[2])
+    found["PYTHONPATH"] = os.pathsep.join(filter(None, [here, found.get("PYTHONPATH")]))
+    return found

@@ -55,12 +55,10 @@ def exit_code(error: BaseException) -> int:
 def agree(comm: Communicator, error: Exception | None = None) -> None:
     """Raise on every rank if any rank has an error; return if none has. Collective.
 
-    comm : mpi4py communicator
-    error : Exception or None
-        What went wrong on this rank.
+    error : what went wrong on this rank
 
-    Raises The class of the lowest failing rank's error (a ParisphError stays what it is,
-    anything else becomes a ParisphError), with that rank's message on every rank.
+    Raises the class of the lowest failing rank's error (a ParisphError stays what it is, anything else becomes a
+    ParisphError), with that rank's message on every rank.
     """
     if comm.size == 1:
         if error is not None:

@@ -14,9 +14,7 @@ def run(command: Sequence[str], timeout: float, env: Mapping[str, str],
         cwd: AnyPath | None = None) -> subprocess.CompletedProcess[str]:
     """Run a command to its end; return subprocess.CompletedProcess with text output.
 
-    command : list of str
-    timeout : [s]
-    env : dict of environment variables (environment.for_launching)
+    timeout : [s]; env : variables (environment.for_launching)
 
     Raises subprocess.TimeoutExpired, with the output so far, after the command and its children have
     been stopped: a collective that one rank does not reach never returns.

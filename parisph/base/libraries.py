@@ -48,8 +48,7 @@ def require(*names: str) -> None:
 
     names : ENGINE, or a library in `_REMEDIES`
 
-    Raises:
-    MissingLibrary : says in one line which ones cannot be imported, and how to install them
+    Raises MissingLibrary : says in one line which ones cannot be imported, and how to install them
     BadEnvironment : they are there, and the machine or the environment does not let them be loaded
     """
     absent, broken = [], []

@@ -20,10 +20,9 @@ def start(comm: Communicator, path: AnyPath | None = None, level: int = logging.
           stream: TextIO | None = None) -> None:
     """Start logging on rank 0, to the screen and to a file; other ranks log nothing. Not collective.
 
-    comm : communicator; its rank 0 logs
-    path : path of a log file to append to, or None
+    path : of a log file to append to, or None
     level : lowest level that is shown (the file takes everything)
-    stream : open text file for the screen, standard error by default
+    stream : for the screen, standard error by default
 
     Raises OSError on rank 0: the log file cannot be written.
     """

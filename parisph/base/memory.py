@@ -1,6 +1,7 @@
 """The memory of this machine."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from parisph.base.paths import AnyPath
@@ -15,10 +16,8 @@ def total(root: AnyPath = "/") -> int | None:
     root : where /proc and /sys are
     """
     found = _limits(Path(root))
-    try:
+    with suppress(ValueError, OSError, AttributeError):
         found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (ValueError, OSError, AttributeError):
-        pass
     return min(found, default=None)
 
 
@@ -45,12 +44,7 @@ def _limits(root: Path) -> list[int]:
         for place in (folder, *folder.parents):
             if not place.is_relative_to(top):
                 break
-            found += [limit for name in _LIMITS for limit in _number(place / name)]
+            for name in _LIMITS:
+                with suppress(OSError, ValueError):    # not there, or the word "max"
+                    found.append(int((place / name).read_text()))
     return found
-
-
-def _number(path: Path) -> list[int]:
-    try:
-        return [int(path.read_text())]
-    except (OSError, ValueError):    # not there, or the word "max"
-        return []

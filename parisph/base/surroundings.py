@@ -84,12 +84,6 @@ def _files() -> BadEnvironment:
                           f"{FILES}: ulimit -n 1024, in a new shell if this one refuses it")
 
 
-def _threads() -> BadEnvironment:
-    return BadEnvironment("no thread can be started: your programs, or those of this machine or container, have as "
-                          f"many as they may (ulimit -u is {_words(_limit('NPROC'))}). End other programs, or raise "
-                          "the limit")
-
-
 def _words(limit: int | None) -> str:
     return "unlimited" if limit is None else str(limit)
 
@@ -120,7 +114,9 @@ def explained(error: BaseException) -> BadEnvironment | None:
         if number == errno.ENOMEM or ((unloaded or isinstance(cause, MemoryError)) and _limit("AS") is not None):
             return _memory()
         if isinstance(cause, RuntimeError) and "can't start new thread" in text:
-            return _threads()
+            return BadEnvironment(
+                "no thread can be started: your programs, or those of this machine or container, have as many as they "
+                f"may (ulimit -u is {_words(_limit('NPROC'))}). End other programs, or raise the limit")
         if isinstance(cause, RuntimeError) and "determine home directory" in text:
             return BadEnvironment("your user has no home folder here: set HOME to a folder that you can write")
         if isinstance(cause, ValueError) and "is not a valid value for backend" in text and "MPLBACKEND" in os.environ:
@@ -162,7 +158,8 @@ def another_numpy(message: str) -> str:
 
     message : what the library has said
     """
-    return (f"a library cannot be loaded with this numpy{_numpy_here()}, as it was compiled for another one"
+    version = getattr(sys.modules.get("numpy"), "__version__", "unknown")
+    return (f"a library cannot be loaded with this numpy ({version}), as it was compiled for another one"
             f"{numpy_due(' ({})')}: {numpy_remedy()} (the library says: {' '.join(message.split())[:80]}...)")
 
 
@@ -173,11 +170,6 @@ def numpy_remedy() -> str:
         return "run_scripts/setup puts the right numpy back"
     due = numpy_due("=={}") or "<2"
     return f"pip install 'numpy{due}'"
-
-
-def _numpy_here() -> str:
-    version = getattr(sys.modules.get("numpy"), "__version__", None)
-    return "" if version is None else f" ({version})"
 
 
 def numpy_due(form: str) -> str:

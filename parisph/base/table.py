@@ -15,7 +15,7 @@ LARGEST = 1e30    # in SI units, as for a case: squares stay finite
 
 def names(path: AnyPath) -> list[str]:
     """Return the names of the columns of a CSV file with one header line. Raises StoreError."""
-    return _read(path)[0]
+    return read(path)[0]
 
 
 def read_reference(path: AnyPath, time: str, value: str, offset: float = 0.0, scale: float = 1.0,
@@ -26,7 +26,7 @@ def read_reference(path: AnyPath, time: str, value: str, offset: float = 0.0, sc
     series may have gaps, while the truth of a case (case.truths.read_truth) may not. Raises StoreError for a missing
     file or column, or a cell that is not a number.
     """
-    found, lines = _read(path)
+    found, lines = read(path)
     for name in (time, value):
         if name not in found:
             raise StoreError(f"{named(path)} has no column {shown(name)} (it has: {reading.listed(found)})")
@@ -42,7 +42,8 @@ def read_reference(path: AnyPath, time: str, value: str, offset: float = 0.0, sc
     return t[good][order], truth[good][order]
 
 
-def _read(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
+def read(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
+    """Return what reading.read_columns does. Raises StoreError."""
     try:
         return reading.read_columns(path)
     except OSError as error:

@@ -197,7 +197,8 @@ def _elevation(case: Scene) -> Iterator[str]:
 
 
 def _wave(case: Scene) -> Iterator[str]:
-    """A wave needs the gravity and the depth of the case. geometry.wave_places checks the depth where they are made."""
+    """A wave needs the gravity and the depth of the case. geometry.scene_checks checks the depth where they are made.
+    """
     gravity = uniform_field(case.gravity)
     for name, wave in wave_sizes.waves(case):
         own = np.array([*[0.0] * (case.dim - 1), -wave.g])

@@ -53,25 +53,19 @@ def scene_motions(case: Scene) -> tuple[Motion, ...]:
 def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     """Build this rank's slice of the particles at the start.
 
-    Parameters
-    ----------
-    case : Case
     rank, size : slice `rank` of `size`; the particles do not depend on `size`
 
-    Returns
-    -------
-    dict of arrays: id (n,) int64, in order; kind, corner, role (n,) int8; x [m], u [m/s], normal (n, dim);
+    Returns arrays: id (n,) int64, in order; kind, corner, role (n,) int8; x [m], u [m/s], normal (n, dim);
     volume (n,) [m^dim], the lattice cell of fluid, 0 of walls (see `weighed`); p (n,) [Pa], of weakly compressible
     fluid that of still water, else 0 until the first solve; swirl (n,) [1/s]; start_role as role; no_slip (n,) int8;
     wall_u (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
     Fluid is not jittered: see `jitter`.
+
     weight (n,), of fluid its cell over s^dim, of a node the part of a cell s^dim inside the fluid, area * share /
     s^(dim-1); area (n, dim), of a node its vector area over s^(dim-1), of fluid 0; edge (n,) int8 (geometry.mesh); body
     (n,) int16, of a node the number of its body in the mesh, of fluid -1.
 
-    Raises
-    ------
-    CaseError : no fluid particle fits
+    Raises CaseError where no fluid particle fits.
     """
     mesh, fills = scene_mesh(case), fillings(case)
     n_fluid, n_wall = sum(fill.count for fill in fills), 0 if mesh is None else len(mesh.x0)
@@ -197,11 +191,6 @@ def _started(case: Scene, fluid: Fluid, x: Floats) -> dict[str, Floats]:
     compressible = METHODS[case.numerics.method].step == "compressible"
     return {"u": fluid.start_velocity(x), "swirl": case.start_vorticity(fluid, x),
             "p": _still_pressure(case, fluid, x) if compressible else np.zeros(len(x))}
-
-
-def lattice_step(case: Scene) -> Floats:
-    """Return the step (dim,) [m] of the lattice of the first body of fluid."""
-    return fillings(case)[0].step
 
 
 def domain(case: Scene) -> tuple[Floats, Floats]:

@@ -38,14 +38,11 @@ def nearest(x: Floats, corners: Floats, within: float = np.inf) -> tuple[Floats,
     within : [m]; points farther away get distance inf and element -1; a small value is faster
     Of equally near elements, like those that share a node, the one with the normal nearest to the way to x.
     """
-    n, dim = x.shape
-    distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
     if len(corners) == 0:
-        return distance, element, foot
+        return np.full(len(x), np.inf), np.full(len(x), -1), np.full(x.shape, np.nan)
     tree = _Tree(corners)
-    for low in range(0, n, CHUNK):
-        part = slice(low, low + CHUNK)
-        distance[part], element[part], foot[part] = _nearest(x[part], corners, tree, within)
+    parts = [_nearest(x[low:low + CHUNK], corners, tree, within) for low in range(0, max(len(x), 1), CHUNK)]
+    distance, element, foot = (np.concatenate(found) for found in zip(*parts))
     return distance, element, foot
 
 
@@ -84,12 +81,6 @@ class _Tree:
             self.upper.insert(0, np.maximum(self.upper[0][::2], self.upper[0][1::2]))
         self.some = corners[self.leaf, 0]    # a point of each leaf
 
-    def point_in(self, box: Ints, level: int) -> Floats:
-        """Return a corner of some element in each box (n,) of a level."""
-        shift = self.levels - level
-        found: Floats = self.some[(box << shift) + ((1 << shift) >> 1)]
-        return found
-
 
 def _along_curve(x: Floats) -> Ints:
     """Return the Morton numbers (n,) of points (n, dim)."""
@@ -111,7 +102,8 @@ def _nearest(x: Floats, corners: Floats, tree: _Tree, within: float) -> tuple[Fl
             point, box = np.repeat(point, 2), np.repeat(2 * box, 2)
             box[1::2] += 1
         gap2, seen2 = np.zeros(len(point)), np.zeros(len(point))
-        some = tree.point_in(box, level)
+        below = tree.levels - level
+        some = tree.some[(box << below) + ((1 << below) >> 1)]    # a point of an element in each box
         for axis in range(x.shape[1]):
             at = x[point, axis]
             outside = np.maximum(np.maximum(tree.lower[level][box, axis] - at, at - tree.upper[level][box, axis]), 0.0)

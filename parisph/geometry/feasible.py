@@ -28,7 +28,7 @@ SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: values that a message proposes are accepted
 
 
-def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
+def faults(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float,
            holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
     """Return the faults of a scene that cannot be computed, each with a remedy. The same on all ranks.
 
@@ -48,7 +48,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     return [*found, *_filled(walls, fluids, spacing, holes, titles)]
 
 
-def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
+def warnings(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
     """Return what will be computed with larger errors, one sentence each; arguments as of `faults`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]
@@ -223,14 +223,11 @@ def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], f
             continue
         for k, body in ((0, chain.body[0]), (-1, chain.body[-1])):
             end = chain.points[k]
-            beside = any(_is_near(fluid, end, spacing) for fluid in fluids) and in_fluid(movers, end[None])[0]
+            near = any(isinstance(fluid, StillWater) or fluid.inside(end[None], 1.5 * spacing)[0] for fluid in fluids)
+            beside = near and in_fluid(movers, end[None])[0]
             if end[1] < top - 1e-6 * spacing and beside:
                 yield (f"{mesh.bodies[body].name}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
                        "top; extend it above the water, or end it on another body")
-
-
-def _is_near(fluid: Shape | StillWater, x: Floats, spacing: float) -> bool:
-    return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
 def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,

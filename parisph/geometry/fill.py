@@ -44,18 +44,12 @@ def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]]
 class Filling:
     """The lattice points origin + step * index that one body of fluid fills.
 
-    Parameters
-    ----------
-    shape : Box, Disc, Polygon or StillWater
     walls : all bodies of the scene, at the start
-    spacing : [m]
-    holes : shapes without fluid inside this one
+    spacing : [m]; holes : shapes without fluid inside this one
     others : other fluid, at least half a spacing away: shapes, and the holes of each; see `taken`
     rise : None, or a function of x (n,) [m] that gives the elevation (n,) [m] of the surface of still water. Columns
         are moved by it, not stretched, so the density of points is uniform.
 
-    Attributes
-    ----------
     origin, step : (2,) [m]; that of still water starts at its level, that of other shapes as in case.lattice
     count : number of points
     even : whether they lie on the lattice of the tank as the only wall, or there is no wall

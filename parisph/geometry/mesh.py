@@ -89,9 +89,7 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
     walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies with the same motion are joined where they touch.
 
-    Raises
-    ------
-    CaseError : no body touches fluid
+    Raises CaseError where no body touches fluid.
 
     Cached: callers must not change the arrays.
     """
@@ -100,8 +98,8 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
 @lru_cache(maxsize=4)
 def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
-    bodies = tuple(MeshBody(name, number, _slip(wall))
-                   for name, number, wall in zip(body_names(walls), motion_numbers(walls), walls))
+    slips = [("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip for wall in walls]
+    bodies = tuple(map(MeshBody, body_names(walls), motion_numbers(walls), slips))
     chains = chains_of(walls, spacing)
     if not chains:
         names = ", ".join(body.name for body in bodies)
@@ -114,13 +112,9 @@ def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
     return _together(meshes, bodies)
 
 
-def chains_of(walls: Sequence[Wall], spacing: float) -> list[Chain]:
-    """Return the chains of all walls, those with the same motion joined, in the order of the motions. Cached."""
-    return list(_chains_of(tuple(walls), spacing))
-
-
 @lru_cache(maxsize=4)
-def _chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
+def chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
+    """Return the chains of all walls, those with the same motion joined, in the order of the motions. Cached."""
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)
@@ -138,11 +132,6 @@ def motion_numbers(walls: Sequence[Wall]) -> list[int]:
     """Return for each wall the number of its motion in `motions_of`."""
     motions = motions_of(walls)
     return [0 if isinstance(wall.motion, AtRest) else motions.index(wall.motion) for wall in walls]
-
-
-def _slip(wall: Wall) -> str:
-    """Return "none" for a no-slip wall or a Tank with a no-slip side, else "free"."""
-    return ("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip
 
 
 def _lone_tank(walls: Sequence[Wall], chains: Sequence[Chain]) -> int | None:

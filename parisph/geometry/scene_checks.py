@@ -5,17 +5,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import rounded_down
+from parisph.case.absorb import Relaxation
 from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
-from parisph.case.motion import Rotation, course
-from parisph.case.scenery import fluid_names
+from parisph.case.motion import AtRest, Rotation, course
+from parisph.case.scenery import body_names, fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Tank
-from parisph.geometry import feasible, probe_places, wave_places
+from parisph.geometry import feasible, probe_places
 from parisph.geometry.build import counts, domain, fillings, has_surface, volume
+from parisph.geometry.columns import beds
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
@@ -27,6 +30,8 @@ from parisph.geometry.tips import WIDTH, Tip, tips
 ROOM = 2.0      # spacings that a tank needs behind the extreme position of a wavemaker
 LEAST = 4       # fluid particles that a scene needs
 STRETCH = 0.1   # of a spacing: a Box whose lattice differs more gets advice
+DEEP = 0.01     # of the depth of a wave: largest difference from that of the water
+ALONG = 9       # places along a zone at which it is looked at
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,7 @@ def faults(case: Case) -> list[str]:
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                              [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
     return found or [*_few(case), *_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
-                     *wave_places.faults(case, walls)]
+                     *_depths(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -116,8 +121,10 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     for met in _met(walls, case):
         if met.distance == 0.0:
             one, other = walls[met.one], walls[met.other]
-            yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
-                   f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
+            moves = type(one.motion).__name__
+            unit = "rad" if isinstance(one.motion, Rotation) else "m"
+            yield (f"walls, {one.name}: its {moves} brings it to {other.name} at t = {met.time:.3g} s, at "
+                   f"({met.at[0]:.3g}, {met.at[1]:.3g}), {abs(met.value):.3g} {unit} from where it starts; must stay "
                    f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or give both the "
                    "same motion")
 
@@ -151,7 +158,8 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     for met in _met(walls, case):
         if 0.0 < met.distance < feasible.GAP * s:
             one, other = walls[met.one], walls[met.other]
-            yield (f"walls, {one.name}: its {_moves(one)} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
+            moves = type(one.motion).__name__
+            yield (f"walls, {one.name}: its {moves} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
                    f" between it and {other.name} at t = {met.time:.3g} s, at ({met.at[0]:.3g}, {met.at[1]:.3g}): flow "
                    f"through it needs {feasible.GAP:g}; move less far, or use a spacing of at most "
                    f"{rounded_down(met.distance / feasible.GAP)}")
@@ -159,14 +167,6 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
 
 def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
     return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
-
-
-def _moves(wall: Wall) -> str:
-    return type(wall.motion).__name__
-
-
-def _amount(wall: Wall, value: float) -> str:
-    return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
 
 
 def _few(case: Case) -> Iterator[str]:
@@ -211,3 +211,33 @@ def _advice(case: Case) -> Iterator[str]:
             if misfit(length, s) > FIT and abs(step - s) > STRETCH * s:
                 yield (f"{name}.shape.{field} = {length:g} is {length / s:.3g} spacings: its particles start "
                        f"{step:.3g} m apart, not {s:g}; a spacing of {step:.6g} divides it")
+
+
+def _depths(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Waves that wavemakers and zones make in water of another depth."""
+    for name, maker, face in zip(body_names(case.bodies), case.bodies, walls):
+        if isinstance(maker, (Piston, Flap)) and isinstance(face, Profile) and maker.wave is not None:
+            bed = float(np.min(np.array(face.points)[:, 1]))
+            if isinstance(maker, Flap) and maker.bed is not None:
+                bed = maker.bed
+            yield from _depth(case, f"walls, {name}", maker.wave.depth, np.array([maker.place]), np.array([bed]), None)
+    resting = [solid_of(wall) for wall in walls if isinstance(wall.motion, AtRest)]
+    for number, zone in enumerate(case.absorb):
+        if isinstance(zone, Relaxation) and resting:
+            x = np.linspace(zone.start, zone.end, ALONG + 2)[1:-1]
+            corners = np.concatenate([outline.elements for outline in resting])
+            yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
+
+
+def _depth(case: Case, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
+    """Compare the depth of a wave with the depths of the water at places x (n,) above beds (n,) [m]."""
+    if level is None:
+        boxes = [case.bounds_of(fluid) for fluid in case.fluids]
+        tops = [top[-1] for low, top in boxes if np.any((x >= low[0] - 1e-9) & (x <= top[0] + 1e-9))]
+        if not tops:
+            return
+        level = max(tops)
+    deep = level - bed
+    if not deep.min() - DEEP * depth <= depth <= deep.max() + DEEP * depth:
+        there = f"{deep.min():g}" if np.ptp(deep) <= DEEP * depth else f"{deep.min():g} to {deep.max():g}"
+        yield f"{where}: wave.depth = {depth:g}: the water is {there} m deep there; change one of them"

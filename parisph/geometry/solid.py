@@ -97,7 +97,8 @@ def solid_of(body: Wall) -> Solid:
 
 def outline_of(shape: Shape) -> Solid:
     """Return a shape as a Solid; unlike an Obstacle, it may touch itself, as fluid may."""
-    return Solid(_clockwise(corners_of(shape)), True)
+    points = corners_of(shape)
+    return Solid(points[::-1].copy() if signed_area(points) > 0.0 else points, True)
 
 
 def way_beyond(points: Floats) -> str | None:
@@ -153,10 +154,6 @@ def in_fluid(walls: Sequence[Wall], x: Floats) -> Flags:
     for wall in walls:
         inside[inside] = solid_of(wall).in_front(x[inside])
     return inside
-
-
-def _clockwise(points: Floats) -> Floats:
-    return points[::-1].copy() if signed_area(points) > 0.0 else points
 
 
 def _angle(a: Floats, b: Floats) -> Floats:

@@ -59,19 +59,15 @@ def tips(walls: tuple[Wall, ...], spacing: float) -> tuple[Tip, ...]:
     chains = chains_of(walls, spacing)
     for one, other, at, gap, corners, length in [*_wedges(chains, spacing), *_necks(chains, walls, spacing)]:
         slip: Slip = "none" if all(getattr(walls[body], "slip", "free") == "none" for body in (one, other)) else "free"
+        used = {wall.name for wall in (*walls, *(tip.solid for tip in found))}
+        name = next(name for number in count(1) if (name := f"filled{number}") not in used)
         try:
             solid = Filled(shape=Polygon(points=tuple(map(tuple, corners.tolist()))), motion=walls[one].motion,
-                           name=_name([*walls, *(tip.solid for tip in found)]), slip=slip, beside=(one, other))
+                           name=name, slip=slip, beside=(one, other))
         except CaseError:    # its sides cross, as in a small pocket
             continue
         found.append(Tip(solid, (float(at[0]), float(at[1])), gap, length))
     return tuple(found)
-
-
-def _name(walls: Sequence[Wall]) -> str:
-    """Return a name that no wall has."""
-    used = {wall.name for wall in walls}
-    return next(name for number in count(1) if (name := f"filled{number}") not in used)
 
 
 Found = tuple[int, int, Floats, float, Floats, float]    # bodies, place, gap, corners, length

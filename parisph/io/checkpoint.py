@@ -48,12 +48,9 @@ class Share:
 class Checkpoint:
     """The content of a checkpoint, with this rank's share of the particles.
 
-    time [s], step, dt [s] : of the run at the checkpoint
-    case : str, the case as JSON
-    state : dict given by the driver (probes, time stepping, ...)
-    dim : number of dimensions
-    arrays : dict of field name -> rows [offset, offset + n) of this rank
-    offset, total : first row of this rank, number of rows of all
+    time [s], step, dt [s] : of the run at the checkpoint; case : as JSON
+    state : given by the driver (probes, time stepping, ...)
+    arrays : {field: rows [offset, offset + n) of this rank}; total : number of rows of all
     flows : the Share of each of some earlier flows, with some of the fields
     """
 
@@ -85,11 +82,10 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
     Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the
     files in the folder are the run's: no other file is removed.
 
-    particles : Particles; all its fields that migrate are written
+    particles : all its fields that migrate are written
     time [s], step, dt [s] : dt is that of the next step
-    case : JSON text
-    state : dict that JSON can hold; rank 0's is written
-    attributes : further dict of str, int or float for the root of the file
+    state : what JSON can hold; rank 0's is written
+    attributes : further ones of the root of the file
     earlier : file names of the run's checkpoints so far, oldest first; all but the last are removed
     flows : earlier flows to write too
 

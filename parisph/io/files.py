@@ -48,7 +48,6 @@ def on_first(comm: Communicator, doing: str, action: Callable[[], Result]) -> Re
 
 def temporary(path: Path) -> Path:
     """Return the temporary name for `path`: hidden, in the same folder."""
-    path = Path(path)
     return path.with_name(f".{path.name}.tmp")
 
 
@@ -57,13 +56,12 @@ def create(path: Path) -> int:
 
     An existing file of this name is removed first; a symbolic link is never followed.
     """
-    Path(path).unlink(missing_ok=True)
+    path.unlink(missing_ok=True)
     return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)
 
 
 def publish(path: Path) -> None:
     """Force the temporary file of `path` to the disk and rename it to `path`. One rank. Raises OSError."""
-    path = Path(path)
     _sync(temporary(path))
     os.replace(temporary(path), path)
     _sync(path.parent)  # the new name itself must survive a power cut
@@ -104,6 +102,15 @@ def rewrite(path: Path, text: str) -> None:
         with suppress(OSError):
             os.chown(new, status.st_uid, status.st_gid)
         os.chmod(new, stat.S_IMODE(status.st_mode))
+
+
+@contextmanager
+def failing_as(doing: str) -> Iterator[None]:
+    """Raise StoreError "cannot <doing>: <cause>" for an OSError inside. One process."""
+    try:
+        yield
+    except OSError as error:
+        raise StoreError(f"cannot {doing}: {error.strerror or error}") from None
 
 
 def write_text(path: Path, text: str) -> None:

@@ -14,6 +14,7 @@ from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain, shown
 from parisph.case import stored
+from parisph.case.schema import Case
 from parisph.io import series, snapshot
 from parisph.io.files import read_json
 from parisph.io.folder import check_unchanged
@@ -28,11 +29,8 @@ class Run:
     """A finished or running run, read from its folder. Made by `open_run`. Every method raises
     StoreError for files that cannot be read, and CaseError for an unknown probe.
 
-    folder : pathlib.Path
-    case : dict, the resolved case
-    identity : str, the identity of the run, which is in all its files
-    times : (n,) times [s] of the snapshots
-    probe_names : list of str
+    case : the resolved case as in case.json; scene : the same as a Case, only to be looked at
+    identity : of the run, which is in all its files; times : (n,) [s], of the snapshots
     """
 
     def __init__(self, folder: AnyPath) -> None:
@@ -41,7 +39,7 @@ class Run:
             raise StoreError(f"there is no folder {folder}")
         if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
-        self.case = _case(self.folder / "case.json")
+        self.case, self.scene = _case(self.folder / "case.json")
         self.identity = str(self.case.get("run", ""))
         found = snapshot.listed(self.folder / INDEX, self.identity)
         if found is None:    # without an index of this run the files themselves say which snapshots there are
@@ -209,15 +207,14 @@ class Run:
         return self.folder / "probes" / f"{name}.csv"
 
 
-def _case(path: Path) -> dict[str, Any]:
-    """Return the content of case.json as a dict. Raises StoreError if it is not a case."""
+def _case(path: Path) -> tuple[dict[str, Any], Case]:
+    """Return the content of case.json, and the Case that it describes. Raises StoreError if it is not a case."""
     content = read_json(path)
     try:
-        stored.from_json(json.dumps(content), read_only=True)
+        return content, stored.from_json(json.dumps(content), read_only=True)
     except CaseError as error:
         raise StoreError(f"{path} is damaged, or is not the case of a run: "
                          f"{str(error).splitlines()[0][:200]}") from None
-    return content
 
 
 def open_run(folder: AnyPath) -> Run:

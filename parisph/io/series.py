@@ -26,9 +26,8 @@ OF_RUN_LINE = f"# {OF_RUN}"
 class SeriesFile:
     """A CSV file that grows line by line. One rank only; every method raises OSError.
 
-    path : pathlib.Path
-    columns : dict of column name -> unit ("" for none); `time` and `step` are added in front
-    title : str, one line of description
+    columns : {name: unit, "" for none}; `time` and `step` are added in front
+    title : one line of description
     keep_to : None to start a new file, or the last step whose lines are kept (restart)
     run : identity of the run that writes it, or ""
     until : of the lines up to `keep_to`, those of later times [s] are not kept either
@@ -83,7 +82,6 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
 
     Raises StoreError: the file cannot be read, is damaged (it names the line), or is of another run.
     """
-    path = Path(path)
     try:
         check_regular(os.stat(path))
         text = path.read_bytes().decode("utf-8")
@@ -120,7 +118,7 @@ def _checked(path: Path, number: int, cells: list[str], count: int, before: tupl
              each_step: bool) -> tuple[float, int]:
     """Return (time, step) of a line of a SeriesFile. Raises StoreError if the line cannot be one that was written."""
     try:
-        if len(cells) != count or not row_is_plain(cells):
+        if len(cells) != count or not all(cell.isprintable() and '"' not in cell for cell in cells):
             raise ValueError
         time, step = float(cells[0]), int(cells[1])
     except ValueError:
@@ -130,11 +128,6 @@ def _checked(path: Path, number: int, cells: list[str], count: int, before: tupl
         raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at "
                          f"{before[0]:g} s. Mend the file or move it away")
     return time, step
-
-
-def row_is_plain(cells: list[str]) -> bool:
-    """Return whether all cells are numbers, words or empty, without control characters."""
-    return all(cell.isprintable() and '"' not in cell for cell in cells)
 
 
 def table(names: list[str], lines: list[list[str]]) -> Array:

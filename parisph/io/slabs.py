@@ -29,17 +29,15 @@ from parisph.io import digest
 from parisph.io.files import create, on_first, publish, temporary, together
 
 METADATA = 1 << 20  # bytes for what HDF5 adds to the rows and to what `decorate` writes
-KEPT = 4 << 20      # bytes of a file up to which its pattern is kept in memory
 
 
 @dataclass
 class Slab:
     """The rows of one dataset that this rank owns.
 
-    path : name of the dataset in the file
-    data : (n, ...) this rank's rows
+    path : name of the dataset in the file; data : (n, ...) this rank's rows
     start, total : first row of this rank, and number of rows on all ranks
-    attributes : dict of the dataset's attributes (rank 0's are written)
+    attributes : of the dataset (rank 0's are written)
     """
 
     path: str
@@ -49,57 +47,18 @@ class Slab:
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
-class Pattern:
-    """The last file of a series, of which the next one is a copy, if they differ only by rows and by what is renewed.
-
-    HDF5 takes 15 ms for the groups, datasets and attributes of a snapshot, and 2 ms to change two of them.
-    """
-
-    def __init__(self) -> None:
-        self._key: Any = None
-        self._expected: Any = None
-        self._renew: Callable[[h5py.File], None]
-        self._content = b""
-        self._places: list[int] = []
-
-    def expect(self, key: Any, renew: Callable[[h5py.File], None]) -> None:
-        """Say what the next file is: files of equal keys differ by their rows, and by what `renew` changes in place."""
-        self._expected, self._renew = key, renew
-
-    def fits(self) -> bool:
-        """Return whether the last file has the key of the next one."""
-        return self._key is not None and self._key == self._expected
-
-    def keep(self, path: Path, places: list[int]) -> None:
-        """Keep the next file, which has just been laid out, if it is small."""
-        small = path.stat().st_size <= KEPT
-        self._key = self._expected if small else None
-        self._content, self._places = (path.read_bytes(), places) if small else (b"", [])
-
-    def copy(self, path: Path) -> list[int]:
-        """Write the last file again, renewed; return the offset of the rows of each slab [bytes]."""
-        with open(create(path), "wb") as file:
-            file.write(self._content)
-        with h5py.File(path, "r+") as file:
-            self._renew(file)
-        return self._places
-
-
-def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None],
-          pattern: Pattern | None = None) -> None:
+def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> None:
     """Write one HDF5 file from the rows of all ranks, with its digest, and publish it under its name. Collective.
 
-    path : pathlib.Path of the file
-    slabs : list of Slab, the same paths, types and totals on every rank
-    decorate : function of the open h5py.File, run on rank 0: groups, attributes, small datasets
-    pattern : of the series that the file belongs to, which expects it; None for a file of its own
+    slabs : the same paths, types and totals on every rank
+    decorate : writes groups, attributes and small datasets to the open file, on rank 0
 
     Raises StoreError on every rank; an existing file of that name is then unchanged.
     """
     doing = f"write {path}"
     hidden = temporary(path)
     try:
-        places = comm.bcast(on_first(comm, doing, lambda: _laid_out(hidden, slabs, decorate, pattern)))
+        places = comm.bcast(on_first(comm, doing, lambda: _lay_out(hidden, slabs, decorate)))
         together(comm, doing, lambda: _write_own(hidden, slabs, places))
         digest.append(comm, hidden, doing)
         on_first(comm, doing, lambda: publish(path))
@@ -110,34 +69,23 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
         raise
 
 
-def _laid_out(path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None],
-              pattern: Pattern | None) -> list[int]:
-    """Copy the pattern or do _lay_out; if the file disappears meanwhile, HDF5 only reports that it has no
-    information."""
-    try:
-        if pattern is not None and pattern.fits():
-            return pattern.copy(path)
-        places = _lay_out(path, slabs, decorate)
-        if pattern is not None:
-            pattern.keep(path, places)
-        return places
-    except OSError as error:
-        if error.errno is not None or path.exists():
-            raise
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path)) from error
-
-
 def _lay_out(path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> list[int]:
     """Make the file without the rows, and return the offset of the rows of each slab in it [bytes]."""
     with open(create(path), "wb") as file:
         os.posix_fallocate(file.fileno(), 0, _size(slabs, decorate))
-    with h5py.File(path, "w") as file:
-        decorate(file)
-        places = []
-        for slab in slabs:
-            dataset = _allocate(file, slab)
-            dataset.attrs.update(slab.attributes)
-            places.append(dataset.id.get_offset())
+    places = []
+    try:
+        with h5py.File(path, "w") as file:
+            decorate(file)
+            for slab in slabs:
+                dataset = _allocate(file, slab)
+                dataset.attrs.update(slab.attributes)
+                places.append(dataset.id.get_offset())
+    except OSError as error:
+        if error.errno is not None or path.exists():
+            raise
+        # HDF5 only reports that it has no information
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path)) from error
     # HDF5 has freed the blocks again. Reserve them for good, so that a full disk is an error here, and
     # not on some rank in the middle of its rows.
     handle = os.open(path, os.O_RDWR)

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import h5py
 import numpy as np
 
-from parisph.base.arrays import Array, Floats
+from parisph.base.arrays import Floats
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
@@ -23,7 +23,7 @@ from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
-from parisph.io.slabs import Pattern, Slab
+from parisph.io.slabs import Slab
 from parisph.io.views import Snapshot
 
 # Names in the file, where they differ from those of the registry.
@@ -33,38 +33,22 @@ VERTEX = 1  # VTK's number for a cell of one point
 
 
 class Written(Protocol):
-    """This rank's rows of what is written, with the fields as attributes: Particles, or a copy of some."""
+    """This rank's rows of what is written: Particles, or a copy of some.
 
-    @property
-    def dim(self) -> int:
-        """Number of dimensions."""
+    It has the fields as attributes, and dim; n_owned, offset : rows of this rank, and its first; n_global : of all
+    """
 
-    @property
-    def n_owned(self) -> int:
-        """Rows of this rank."""
-
-    @property
-    def offset(self) -> int:
-        """First row of this rank."""
-
-    @property
-    def n_global(self) -> int:
-        """Rows of all ranks."""
-
-    def __getattr__(self, name: str) -> Array:
-        """Return the rows of a field."""
+    def __getattr__(self, name: str) -> Any:
+        """Return the rows of a field, or one of these numbers."""
 
 
 def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],
-          attributes: Mapping[str, str | float], pattern: Pattern | None = None) -> None:
+          attributes: Mapping[str, str | float]) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
-    path : pathlib.Path
-    particles : Particles (owned rows are written)
     time [s], step : of the particles
     fields : names in the field registry; id, kind and role are always written
-    attributes : dict of str, int or float for the root of the file
-    pattern : of a series of snapshots, which are then written faster
+    attributes : of the root of the file
 
     Raises StoreError on every rank, for an unknown field or a failing disk.
     """
@@ -78,10 +62,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
         about = {"unit": field.unit, "meaning": field.meaning}
         arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
     root = {**attributes, "dim": particles.dim, "ranks": comm.size}
-    if pattern is not None:
-        layout = [(slab.path, slab.data.dtype, slab.data.shape[1:], slab.total) for slab in arrays]
-        pattern.expect((root, layout), lambda file: _renew(file, time, step))
-    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, root), pattern)
+    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, root))
 
 
 def read(path: AnyPath, time: float | None = None, run: str = "", early: bool = False) -> Snapshot:
@@ -243,11 +224,3 @@ def _decorate(file: h5py.File, total: int, time: float, step: int, attributes: M
         group[name] = np.array([total], dtype=np.int64)
     group["FieldData/TimeValue"] = np.array([time], dtype=np.float64)
     group["FieldData/Step"] = np.array([step], dtype=np.int64)
-
-
-def _renew(file: h5py.File, time: float, step: int) -> None:
-    """Change the time and the step of a snapshot."""
-    file.attrs.modify("time", float(time))
-    file.attrs.modify("step", int(step))
-    file["VTKHDF/FieldData/TimeValue"][0] = time
-    file["VTKHDF/FieldData/Step"][0] = step

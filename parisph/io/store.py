@@ -22,7 +22,6 @@ from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
 from parisph.io.series import SeriesFile, read_own, units
-from parisph.io.slabs import Pattern
 from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
 
@@ -32,11 +31,10 @@ class Store:
 
     Made by `Store.create` or `Store.resume`. Disk errors raise StoreError on every rank.
 
-    folder : pathlib.Path
-    run : str, identity of the run, which is written to all its files
-    about : dict of str -> str or number, how the run is made; written to all later files
-    times : times [s] of the snapshots written so far (on rank 0 only)
-    notes : list of (level of the log, str), what was done to the folder before the run goes on; rank 0 logs its own
+    run : identity of the run, which is written to all its files
+    about : how the run is made; written to all later files
+    times : [s], of the snapshots written so far (on rank 0 only)
+    notes : (level of the log, text) of what was done to the folder before the run goes on; rank 0 logs its own
     """
 
     def __init__(self, comm: Communicator, folder: AnyPath, case: str, about: Mapping[str, str | float],
@@ -51,7 +49,6 @@ class Store:
         self._series: dict[str, SeriesFile] = {}
         self._keep_to: int | None = None
         self._here = False
-        self._pattern = Pattern()
         self.about = dict(about)
         self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
 
@@ -60,11 +57,9 @@ class Store:
                fields: Sequence[str] = ("u", "p", "role"), lock: Lock | None = None) -> "Store":
         """Start a run in `folder`. Collective.
 
-        comm : mpi4py communicator
         folder : created if it does not exist
-        case : the resolved case as JSON text
-        about : dict of str -> str or number, how the run is made (see `provenance`)
-        fields : names in the field registry for snapshots; id, kind and role are always written
+        case : the resolved case as JSON text; about : how the run is made (see `provenance`)
+        fields : of snapshots; id, kind and role are always written
         lock : io.lock.Lock on rank 0, which is renewed while the run goes on; None for none
 
         Raises StoreError on every rank: a field is unknown, the folder holds a run, or cannot be written.
@@ -105,7 +100,7 @@ class Store:
     def add_series(self, name: str, columns: Mapping[str, str], title: str = "", until: float = math.inf) -> None:
         """Open the time series DIR/<name>.csv ("steps", "probes/P2", ...).
 
-        columns : dict of column name -> unit ("" for none); the columns time [s] and step are added in front.
+        columns : {name: unit, "" for none}; the columns time [s] and step are added in front
         until : in a resumed run, lines of later times [s] are taken out, too
         """
         def add() -> None:
@@ -137,7 +132,7 @@ class Store:
     def snapshot(self, particles: Particles, time: float, step: int) -> None:
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
         name = self.comm.bcast(self._next_name(time) if self.comm.rank == 0 else None)
-        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about, self._pattern)
+        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
 
         def enter() -> None:
             if self.times[-1:] == [time]:

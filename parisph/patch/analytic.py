@@ -93,23 +93,6 @@ class AnalyticField(Model):
         return found
 
 
-def _wave(x: Floats) -> Floats:
-    return np.cos(4.0 * np.pi * x[:, 0] + 8.0 * np.pi * x[:, 1])
-
-
-def _wave_gradient(x: Floats) -> Floats:
-    slope = -4.0 * np.pi * np.sin(4.0 * np.pi * x[:, 0] + 8.0 * np.pi * x[:, 1])
-    return _beside(slope, 2.0 * slope, x)
-
-
-def _exponential(x: Floats) -> Floats:
-    return np.exp(2.0 * x[:, 0] + 3.0 * x[:, 1])
-
-
-def _numbers(x: Floats) -> Floats:
-    return np.arange(1.0, x.shape[1] + 1.0)
-
-
 def _harmonic(x: Floats) -> Floats:
     values: Floats = np.exp(2.0 * x[:, 1]) * np.cos(2.0 * x[:, 0] + 0.3)
     return values
@@ -124,16 +107,23 @@ def _beside(along_x: Floats, along_y: Floats, x: Floats) -> Floats:
     return np.stack([along_x, along_y, *[np.zeros(len(x))] * (x.shape[1] - 2)], axis=1)
 
 
+def _plane(name: str, formula: str, k: tuple[float, float, float], value: Values, slope: Values,
+           bend: Values) -> AnalyticField:
+    """Return the field value(k . x). slope, bend : the first and the second derivative of `value`"""
+    def way(x: Floats) -> Floats:
+        return np.array(k[:x.shape[1]])
+
+    return AnalyticField(name, lambda x: value(x @ way(x)), lambda x: slope(x @ way(x))[:, None] * way(x),
+                         lambda x: bend(x @ way(x)) * (way(x) @ way(x)), formula)
+
+
 _FIELDS = (
-    AnalyticField("wave", _wave, _wave_gradient, lambda x: -80.0 * np.pi**2 * _wave(x),
-                  "cos(4 pi x + 8 pi y)"),    # Z14
+    _plane("wave", "cos(4 pi x + 8 pi y)", (4.0 * np.pi, 8.0 * np.pi, 0.0), np.cos, lambda s: -np.sin(s),
+           lambda s: -np.cos(s)),    # Z14
     AnalyticField("parabola", lambda x: (x[:, :2] ** 2).sum(axis=1), lambda x: _beside(2.0 * x[:, 0], 2.0 * x[:, 1], x),
                   lambda x: np.full(len(x), 4.0), "x^2 + y^2"),    # Z17
-    AnalyticField("exponential", _exponential, lambda x: _beside(2.0 * _exponential(x), 3.0 * _exponential(x), x),
-                  lambda x: 13.0 * _exponential(x), "exp(2x + 3y)"),    # Z17
-    AnalyticField("smooth", lambda x: np.sin(x @ _numbers(x)), lambda x: np.cos(x @ _numbers(x))[:, None] * _numbers(x),
-                  lambda x: -(_numbers(x) @ _numbers(x)) * np.sin(x @ _numbers(x)),
-                  "sin(x + 2y)"),    # in 3D sin(x + 2y + 3z)
+    _plane("exponential", "exp(2x + 3y)", (2.0, 3.0, 0.0), np.exp, np.exp, np.exp),    # Z17
+    _plane("smooth", "sin(x + 2y)", (1.0, 2.0, 3.0), np.sin, np.cos, lambda s: -np.sin(s)),    # in 3D sin(x + 2y + 3z)
     AnalyticField("harmonic", _harmonic, _harmonic_gradient, lambda x: np.zeros(len(x)), "exp(2y) cos(2x + 0.3)"),
 )
 FIELD_OF: Mapping[str, AnalyticField] = MappingProxyType({field.name: field for field in _FIELDS})

@@ -8,10 +8,9 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
-from parisph.case.model import Model
-from parisph.case.probes import Gauge, Probe, ProbeArray
+from parisph.case.probes import Probe, ProbeArray
 from parisph.case.profiles import read_profiles
-from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of, read_truth
+from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of
 from parisph.io.reader import Run
 from parisph.pictures import curves, style
 from parisph.truth import profiled, verdict
@@ -24,22 +23,12 @@ if TYPE_CHECKING:
 MOST = 99.8    # percentile of the values of the run that the axes contain
 
 
-def references(probe: Probe, run: Run) -> dict[str, curves.Samples]:
-    """Return {name: (times (n,) [s], values (n,))} of the references of a probe. Raises CaseError for its file."""
-    truth = probe.truth
-    if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
-        time = run.probe(probe.name)["time"]
-        return {"wave": (time, truth.series(probe.at, time))}
-    series = (truth, *truth.others) if isinstance(truth, Truth) else ()
-    return {one.name or "reference": read_truth(one) for one in series}
-
-
 def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure":
     """Draw a probe and its references, without a shift of time; return the matplotlib Figure.
 
     Times that are not compared are grey. Boxes are bands of peaks in experiments. Raises CaseError, StoreError.
     """
-    found, others = verdict.series(probe, run), references(probe, run)
+    found, others = verdict.series(probe, run), curves.references(probe, run)
     picture = style.new_figure(figsize=(8.0, 3.6), layout="constrained")
     axes = picture.add_subplot()
     unit = next((unit for name, unit in run.units(probe.name).items() if name not in ("time", "step")), "")
@@ -55,7 +44,8 @@ def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure"
             look = curves.marks(int(np.sum(inside)) if known > 1 else curves.MARKS)
         axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
-    bands = _bands(probe.truth)
+    bands = list({(band.start, band.end, band.low, band.high, band.when): band    # some differ by their smoothing only
+                  for band in bands_of(probe.truth)}.values())
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
     what = probe.quantity or curves.UNITS.get(unit, str(getattr(probe, "kind")).replace("_", " "))
@@ -110,11 +100,6 @@ def _legend(picture: "Figure", lines: dict[str, Any]) -> None:
     wide = curves.LETTER * max(map(len, lines)) + 0.7
     columns = min(max(int(picture.get_figwidth() / wide), 1), len(lines))
     picture.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
-
-
-def _bands(truth: Model | None) -> list[PeakBand]:
-    """Return the bands of a truth, each once: some differ by their smoothing only."""
-    return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands_of(truth)}.values())
 
 
 def _over_the_run(time: Floats, values: Floats, run: Floats) -> curves.Samples:

@@ -1,15 +1,12 @@
 """Pictures of the walls of a scene, and of a case before it runs. Needs matplotlib, no MPI."""
 
-import json
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID
 from parisph.base.paths import AnyPath
-from parisph.case import stored
 from parisph.case.bodies import Profile
 from parisph.case.schema import Case
 from parisph.case.shapes import Tank
@@ -26,11 +23,6 @@ if TYPE_CHECKING:
 SOLID = "#d9d9d9"
 WATER = "#9ecae1"
 MOST = 200_000    # particles that a picture of a case shows; of more, squares of a grid
-
-
-def of_dict(case: Mapping[str, Any]) -> Case:
-    """Return the Case of a dict, as in case.json, for reading only. Raises CaseError."""
-    return stored.from_json(json.dumps(dict(case)), read_only=True)
 
 
 def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0, floor: float | None = None,

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +12,11 @@ from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.case import differences
-from parisph.case.probes import Probe, class_of
+from parisph.case.probes import Gauge, Probe, singles
 from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import states, style
+from parisph.truth.recorded import own_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +46,7 @@ MARKS = 60      # samples of a reference, beyond which it is a line
 class Curve:
     """One line of a picture: a column of a probe of a run.
 
-    run : Run; label : name of the run if there are several
+    label : name of the run if there are several
     probe, column : names; column is "" if the probe has only one
     time, values : (n,) arrays [s], [the unit of the panel]
     """
@@ -65,14 +66,12 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
 
     Several runs are drawn over each other, with labels of what differs between their cases (run_labels).
 
-    runs : Run, or the folder of one, or a list of these
-    names : of probes, or one name; all if None
+    runs : or their folders; names : of probes, or one name; all if None
     path : file to write (.png, .pdf, ...), or None
     truth : {probe: (time [s], value)} in the probe's unit, drawn in black
     normalise : divide time by sqrt(H/g), pressures by rho g H and lengths by H of each run
 
-    Raises:
-    CaseError : no such probe in one of the runs, or nothing to normalise by
+    Raises CaseError : no such probe in one of the runs, or nothing to normalise by
     StoreError : nothing to draw
     """
     given = [runs] if isinstance(runs, (Run, str, PathLike)) else runs
@@ -90,11 +89,11 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
         if number < columns:
             second_time_axis(axes, several, normalise)
         if len(several) == 1:
-            show_steps(axes, several[0], time_unit(own_scales(several[0], normalise), normalise))
+            show_steps(axes, several[0], own_scales(several[0], normalise).time or 1.0 if normalise else 1.0)
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
     labels = run_labels(several) if len(several) > 1 else [""]
-    title = [style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in several))),
+    title = [style.literal(" / ".join(dict.fromkeys(run.scene.title for run in several))),
              *(f"{label}{label and ': '}{style.literal(text, 95)}"
                for label, text in zip(labels, map(states.state, several)) if text)]
     picture.suptitle("\n".join(title[:1 + STATES]), x=0.01, ha="left", fontsize=11)
@@ -133,39 +132,42 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
     return picture
 
 
-def truths(run: Run, folder: Path) -> dict[str, Samples]:
-    """Return {probe: (time [s], value)} of the truths of probes, with files in `folder`. Raises CaseError."""
-    found = {}
-    for probe in run.case.get("probes", ()):
-        about = probe.get("truth")
-        if about and "of" in about:
-            time = run.probe(probe["name"])["time"]
-            found[probe["name"]] = time, WaveTruth.model_validate(about).series(probe["at"], time)
-        elif about and "bands" not in about and probe["kind"] != "probe_array":    # not numbers, nor profiles
-            truth = Truth.model_validate(about)
-            found[probe["name"]] = read_truth(truth.model_copy(update={"file": str(folder / truth.file)}))
-    return found
+def references(probe: Probe, run: Run, others: bool = True) -> dict[str, Samples]:
+    """Return {name: (times (n,) [s], values (n,))} of the references of a probe. Raises CaseError for their files.
+
+    others : whether with those besides the first
+    """
+    truth = probe.truth
+    if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
+        time = run.probe(probe.name)["time"]
+        return {"wave": (time, truth.series(probe.at, time))}
+    series = (truth, *(truth.others if others else ())) if isinstance(truth, Truth) else ()
+    return {one.name or "reference": read_truth(one) for one in series}
+
+
+def truths(run: Run) -> dict[str, Samples]:
+    """Return {probe: (time [s], value)} of the truths of probes. Raises CaseError for their files."""
+    return {probe.name: truth for probe in run.scene.probes for truth in references(probe, run, others=False).values()}
 
 
 def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict[tuple[str, str], list[Curve]]:
     """Return {(quantity, unit): [Curve]} of probes of runs, one entry for each set of axes. names : all if None"""
     groups: dict[tuple[str, str], list[Curve]] = {}
     for run, label in zip(runs, run_labels(runs)):
-        kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
+        probes = {probe.name: probe for probe in run.scene.probes}
         for name in (run.probe_names if names is None else names):
             table, units = run.probe(name), run.units(name)
-            columns = [column for column in table.dtype.names if column not in ("time", "step")
-                       and table[column].dtype.kind == "f"]
+            columns = [column for column in own_columns(table) if table[column].dtype.kind == "f"]
             several = len(columns) > 1
-            cls = class_of(kinds.get(name)) or Probe
-            if not style.has_potential(run.case):
-                columns = [column for column in columns if not column.startswith(cls.of_potential)]
+            probe = probes.get(name, Probe)
+            if not run.scene.same_force_everywhere:
+                columns = [column for column in columns if not column.startswith(probe.of_potential)]
             for column in columns:
                 # a probe of an unknown kind shares axes with others of its unit
-                kind = kinds.get(name, "" if units[column] else name)
+                kind = getattr(probe, "kind", "" if units[column] else name)
                 curve = Curve(run, label if len(runs) > 1 else "", name, column if several else "",
                               table["time"], table[column])
-                groups.setdefault((cls.family or kind, units[column]), []).append(curve)
+                groups.setdefault((probe.family or kind, units[column]), []).append(curve)
     return groups
 
 
@@ -206,7 +208,8 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     by = [{"Pa": own.pressure, "m": own.length, "m/s": own.speed}.get(unit) if normalise else None for own in scales]
     largest = max((np.nanmax(np.abs(curve.values), initial=0.0) for curve in curves), default=0.0)
     factor, shown = (1.0, "") if by[0] else style.with_prefix(largest, unit)
-    times, factors = [time_unit(own, normalise) for own in scales], [1.0 / scale if scale else factor for scale in by]
+    times = [own.time or 1.0 if normalise else 1.0 for own in scales]
+    factors = [1.0 / scale if scale else factor for scale in by]
     series = list(dict.fromkeys((curve.probe, curve.column) for curve in curves))
     runs = list(dict.fromkeys(curve.label for curve in curves))
     looks = style.line_looks(len(runs), len(series))
@@ -288,15 +291,10 @@ def _further_columns(axes: "Axes") -> float:
 
 def own_scales(run: Run, normalise: bool) -> style.SceneUnits:
     """Return the style.SceneUnits of a run. Raises CaseError if it has none to normalise by."""
-    own = style.scene_units(run.case)
+    own = style.scene_units(run.scene)
     if normalise and own.time is None:
         raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
     return own
-
-
-def time_unit(own: style.SceneUnits, normalise: bool) -> float:
-    """Return the unit of an axis of time [s]."""
-    return own.time if normalise and own.time is not None else 1.0
 
 
 def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
@@ -326,9 +324,9 @@ def _draw_truth(axes: "Axes", curve: Curve, series: Samples, factor: float, by_t
 
 def _peak_of(curve: Curve) -> str:
     """Return the name of a curve in the `peaks` of a summary: "load.fx", in an array "row.load.fx"."""
-    about: Mapping[str, Any] = next((one for one in curve.run.case.get("probes", ()) if one["name"] == curve.probe), {})
-    members = [one["name"] for one in about.get("probes", ()) if f"{curve.column}_".startswith(f"{one['name']}_")]
-    member = max(members, key=len, default="")
+    names = [name for probe in curve.run.scene.probes if probe.name == curve.probe for name, _ in singles([probe])]
+    members = [name.partition(".")[2] for name in names if name != curve.probe]
+    member = max((one for one in members if f"{curve.column}_".startswith(f"{one}_")), key=len, default="")
     column = curve.column.removeprefix(member).removeprefix("_")
     return ".".join(filter(None, (curve.probe, member, "" if column == "pressure" else column)))
 
@@ -363,12 +361,11 @@ def marks(samples: int) -> style.LineLook:
 
 def _value_label(curves: Sequence[Curve], series: Sequence[tuple[str, str]], unit: str, shown: str,
                  scaled: bool) -> str:
-    kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ())
-             if probe["name"] == curve.probe}
+    kinds = {getattr(probe, "kind"): probe for curve in curves for probe in curve.run.scene.probes
+             if probe.name == curve.probe}
     what = UNITS.get(unit, "")
-    if kinds:
-        cls = class_of(kinds.pop()) or Probe
-        what = (cls.family if kinds else cls.quantities.get(series[0][1], cls.quantity)) or what
+    for probe in kinds.values():
+        what = (probe.family if len(kinds) > 1 else probe.quantities.get(series[0][1], probe.quantity)) or what
     if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names the runs only
         what = what if series[0][0] in what else f"{series[0][0]}: {what}"
     if scaled:
@@ -386,7 +383,7 @@ def plain_axes(axes: "Axes") -> None:
 
 def second_time_axis(axes: "Axes", runs: Sequence[Run], normalise: bool) -> None:
     """Add the dimensionless time above, if it is the same for all runs."""
-    scales = [style.scene_units(run.case) for run in runs]
+    scales = [style.scene_units(run.scene) for run in runs]
     unit = scales[0].time
     if unit is None or len({own.time for own in scales}) != 1:
         return

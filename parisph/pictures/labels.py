@@ -65,7 +65,8 @@ def _place(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], left_
     box = axes.get_window_extent(renderer)
     inside = np.array([box.x0, box.y0, box.x1, box.y1]) + pixels * np.array([1.0, 1.0, -1.0, -1.0])
     along = _sampled([axes.transData.transform(line) for line in lines])
-    taken = [_around(x, 2.5 * pixels) for x in axes.transData.transform(dots)] if dots is not None and len(dots) else []
+    radius, there = 2.5 * pixels, axes.transData.transform(dots) if dots is not None and len(dots) else ()
+    taken = [np.concatenate([x - radius, x + radius]) for x in there]
     left_out.set(text="")
     missing = _put(axes, labels, texts, inside, along, list(taken), pixels, renderer)
     if missing:
@@ -135,10 +136,6 @@ def _sampled(lines: Sequence[Floats]) -> Floats:
                 many = min(max(int(np.linalg.norm(b - a) / STEP), 1), 2000)
                 found.append(a + np.linspace(0.0, 1.0, many + 1)[:, None] * (b - a))
     return np.concatenate(found)
-
-
-def _around(x: Floats, size: float) -> Floats:
-    return np.array([x[0] - size, x[1] - size, x[0] + size, x[1] + size])
 
 
 def _overlap(a: Floats, b: Floats) -> bool:

@@ -15,7 +15,7 @@ from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
-from parisph.pictures.view import FieldView, Look
+from parisph.pictures.view import FieldView, Look, spread
 
 if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
@@ -33,26 +33,22 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
 
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
-    run : Run, or the folder of one
-    path : file to write
+    run : or its folder; path : file to write
     field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
         frames, and a short impact saturates
     fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
 
-    Raises:
-    CaseError : as plot_field, for another ending, and for fps or slow out of range
+    Raises CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
     run = run if isinstance(run, Run) else open_run(run)
     figure, path = style.drawing(), Path(path)
     _check_ending(path)
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
+    some = spread(run, SAMPLE)
     pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
-    some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
-    view = FieldView(run.case, some, Look(field, **look))
+    view = FieldView(run.scene, some, Look(field, **look))
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
     axes = picture.add_subplot()

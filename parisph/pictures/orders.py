@@ -14,6 +14,7 @@ from parisph.io.layout import PEAKS
 from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
 from parisph.truth.comparison import Comparison
+from parisph.truth.recorded import own_columns
 
 ROUNDED = 1e-9  # relative difference by rounding of a greatest value in a file
 LONGEST = 100   # characters of a file name that is made of names of probes
@@ -25,23 +26,22 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
 
     For one run without time, peak, field and probes: the whole run on one page.
 
-    runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot, with a warning on standard error for a time outside the run; the last
         snapshot if only `field` is given
     peak : name of a probe, in place of `time`: the flow when its first column is greatest, as the run has kept it
         (Run.peak), else at the nearest snapshot, with a note on standard error
-    probes : list of probe names: their series in one picture
+    probes : names of those whose series are drawn in one picture
     out : file to write; None: files in the folder of the (first) run, named after what they show
     normalise, look : see view.Look; None for a default
 
-    Raises:
-    CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
+    Raises CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
     quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be written
     """
     look = {name: value for name, value in look.items() if value is not None}
     flow = time is not None or peak is not None or "field" in look
     if len(runs) > 1:
-        _check_probes_only(flow or look)
+        if flow or look:
+            raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
         return [_plot_probes(runs, probes, normalise, out)]
     if out is not None and flow and probes:
         raise CaseError("-o names one file, but these are two pictures, of the flow and of probes: "
@@ -97,16 +97,11 @@ def peak_of(run: Run, probe: str) -> tuple[float, float]:
     Raises CaseError, StoreError.
     """
     series = run.probe(probe)
-    column = next(name for name in series.dtype.names if name not in ("time", "step"))
+    column = own_columns(series)[0]
     if not np.any(np.isfinite(series[column])):
         raise StoreError(f"the probe {probe!r} of {run.folder} has no value to find the peak of")
     line = series[np.nanargmax(series[column])]
     return float(line["time"]), float(line[column])
-
-
-def _check_probes_only(other: object) -> None:
-    if other:
-        raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
 
 
 def _plot_probes(runs: Sequence[Run], probes: Sequence[str] | None, normalise: bool, out: AnyPath | None) -> Path:
@@ -154,12 +149,12 @@ def _at_peak(run: Run, probe: str) -> float | Mapping[str, Any]:
 
 
 def _why_not_kept(run: Run, probe: str, kept: Mapping[str, Any] | None) -> str:
-    about: Mapping[str, Any] = next((one for one in run.case.get("probes", ()) if one["name"] == probe), {})
-    if kept is not None and about.get("truth"):
+    about = next((one for one in run.scene.probes if one.name == probe), None)
+    if kept is not None and about and about.truth:
         return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time of its truth"
     if kept is not None:
         return f"the flow that the run keeps is at t = {kept['time']:.6g} s, of {kept['peak']:.6g}"
-    if about.get("peak"):
+    if about and about.peak:
         return f"the flow that the run has kept is not in {run.folder / PEAKS}"
     return "a probe with peak=True keeps the flow at its peak"
 
@@ -177,7 +172,7 @@ def _warn_of_other_time(run: Run, time: float) -> None:
 def _truths(run: Run) -> dict[str, curves.Samples]:
     """Return the references of the probes; none, with a note, if their files are not on this machine."""
     try:
-        return curves.truths(run, Path())
+        return curves.truths(run)
     except ParisphError as error:
         print(f"parisph: drawn without its reference: {error}", file=sys.stderr)
         return {}

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from parisph.base.arrays import Array
-from parisph.base.errors import StoreError
 from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, states, style
-from parisph.pictures.view import FieldView, Look
+from parisph.pictures.view import FieldView, Look, spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,29 +22,26 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
     Parameters and errors as of view.plot_field and curves.plot_probe. The colours cover most values of all moments.
     """
     run = run if isinstance(run, Run) else open_run(run)
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
-    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 4).round())]
+    moments = spread(run, 4)
     panels = [(unit, lines) for (_, unit), lines in curves.by_quantity([run]).items()]
-    view = FieldView(run.case, moments, Look(field, **look))
+    view = FieldView(run.scene, moments, Look(field, **look))
     columns = min(2, len(moments))
     heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(panels) // 2 + 1)
     picture = style.new_figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
     flow, series = picture.subfigures(2, 1, height_ratios=heights)
     _draw_moments(flow, view, moments, columns, marked=True)
     _draw_series(series, run, panels)
-    picture.suptitle(style.literal(run.case["title"]), fontsize=13)
-    _say_state(flow, run)
+    picture.suptitle(style.literal(run.scene.title), fontsize=13)
+    if state := states.state(run):
+        flow.suptitle(style.literal(state, states.LONGEST), fontsize=9, color=style.LINES[1])
     style.save(picture, path)
     return picture
 
 
-def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns: int = 2) -> "Figure":
+def plot_moments(run: Run, path: AnyPath | None = None) -> "Figure":
     """Draw the pressure at moments evenly spread over a run; return the matplotlib Figure. Raises StoreError."""
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
-    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
-    view, columns = FieldView(run.case, moments, Look()), min(columns, len(moments))
+    moments = spread(run, 6)
+    view, columns = FieldView(run.scene, moments, Look()), min(2, len(moments))
     height = -(-len(moments) // columns) * _height(view, 10.4 / columns)
     picture = style.new_figure(figsize=(11.0, 0.4 + height), layout="constrained")
     _draw_moments(picture, view, moments, columns)
@@ -56,7 +52,7 @@ def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns:
 def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> None:
     """Draw the particles at a snapshot, small and with few colours, for galleries. Raises as view.plot_field."""
     snapshot = run.snapshot(which)
-    view = FieldView(run.case, [snapshot], Look(field))
+    view = FieldView(run.scene, [snapshot], Look(field))
     width, height = view.size(5.6)
     picture = style.new_figure(figsize=(width, height), layout="compressed")
     axes = picture.add_subplot()
@@ -76,12 +72,6 @@ def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
 def _height(view: FieldView, width: float) -> float:
     (left, right), (low, high) = view.window
     return min(0.8 * width * view.stretch * (high - low) / (right - left) + 0.7, 6.0)
-
-
-def _say_state(picture: "SubFigure", run: Run) -> None:
-    state = states.state(run)
-    if state:
-        picture.suptitle(style.literal(state, states.LONGEST), fontsize=9, color=style.LINES[1])
 
 
 def _draw_moments(flow: "FigureBase", view: FieldView, moments: Sequence[Mapping[str, Any]], columns: int,

@@ -13,10 +13,10 @@ LAST = 0.03    # of the samples of a run that has failed, at its end, which may 
 
 def state(run: Run) -> str:
     """Return a line such as "failed after t = 1.2 s: particle 7 ... outside the tank"; "" for a completed run."""
-    end, summary = last(run), _summary(run)
-    when = "before its first step" if end is None else f"after t = {end:.4g} s"
+    ends, summary = span(run), _summary(run)
+    when = "before its first step" if ends is None else f"after t = {ends[1]:.4g} s"
     if summary is None:
-        return f"goes on, or was killed, {when} of {run.case['end_time']:.4g} s"
+        return f"goes on, or was killed, {when} of {run.scene.end_time:.4g} s"
     words = str(summary.get("status"))
     if words.startswith("completed"):
         return ""
@@ -29,12 +29,6 @@ def state(run: Run) -> str:
 def failed(run: Run) -> bool:
     """Return whether a run has failed."""
     return str((_summary(run) or {}).get("status")).startswith("failed")
-
-
-def last(run: Run) -> float | None:
-    """Return the end [s] of the last step that was completed, None if there is none."""
-    ends = span(run)
-    return None if ends is None else ends[1]
 
 
 def span(run: Run) -> tuple[float, float] | None:

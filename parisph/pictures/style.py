@@ -2,7 +2,7 @@
 
 import difflib
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,8 +18,8 @@ from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain, shown
 from parisph.case.expressions import uniform_field
-from parisph.case.motion.oscillations import Roll
-from parisph.io.files import replacing
+from parisph.case.schema import Case
+from parisph.io.files import failing_as, replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,10 +32,8 @@ if TYPE_CHECKING:
 class PlottedQuantity:
     """A quantity that pictures can show.
 
-    needs : name in the field registry
-    of : function of that array (n, ...) -> (n,)
-    symbol, unit : for the colour bar
-    colours : name of a matplotlib colour map
+    needs : field in the registry; of : function of its array (n, ...) -> (n,)
+    symbol, unit : for the colour bar; colours : name of a matplotlib colour map
     scale : the one of SceneUnits that makes it dimensionless, "" for none
     centre : in the middle of a diverging colour map, else None
     """
@@ -73,7 +71,6 @@ LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
 LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
 
-REST = {"kind": "at_rest"}    # of a tank stored by a release whose tanks had no motion of their own
 SCREEN = 90   # dots per inch of a picture in a notebook
 FEW = 6     # most lines that differ in colour only
 
@@ -128,65 +125,14 @@ class SceneUnits:
     pressure: float | None = None
 
 
-def scene_units(case: Mapping[str, Any]) -> SceneUnits:
-    """Return the SceneUnits of a case (dict, as in case.json)."""
-    low, high = fluid_bounds(case)
-    height, density = high[-1] - low[-1], fluids_of(case)[0]["density"]
-    try:
-        g = float(np.linalg.norm([float(component) for component in case["gravity"]]))
-    except ValueError:  # an expression of place or time has no one g
-        g = 0.0
-    if g == 0.0:
+def scene_units(case: Case) -> SceneUnits:
+    """Return the SceneUnits of a case."""
+    low, high = case.fluid_bounds
+    height, gravity = float(high[-1] - low[-1]), uniform_field(case.gravity)
+    if gravity is None or not gravity.any():
         return SceneUnits(height)
-    return SceneUnits(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
-
-
-def has_potential(case: Mapping[str, Any]) -> bool:
-    """Return whether energies of a case (dict) have a potential part: gravity is uniform, the tank does not turn."""
-    turns = (case.get("frame") or REST)["kind"] == Roll.model_fields["kind"].default
-    return not turns and uniform_field(case["gravity"]) is not None
-
-
-def fluid_bounds(case: Mapping[str, Any]) -> tuple[Floats, Floats]:
-    """Return the lower and upper corner [m] of all fluid of a case (dict) at the start."""
-    boxes = [_bounds(fluid["shape"], bodies_of(case)) for fluid in fluids_of(case)]
-    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
-
-
-def fluids_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the bodies of fluid of a case (dict), of which there may be one, or several in a list."""
-    fluid = case["fluid"]
-    return list(fluid) if isinstance(fluid, list) else [fluid]
-
-
-def bodies_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the walls of a case (dict), of which there may be none, one, or several in a list."""
-    walls = case.get("walls")
-    return list(walls) if isinstance(walls, list) else [walls] if walls else []
-
-
-def _corners(body: Mapping[str, Any]) -> Floats:
-    """Return points (n, 2) [m] around a body (dict), none for a wavemaker."""
-    if "points" in body:
-        return np.array(body["points"], dtype=float)
-    box = body.get("shape", body)
-    if box.get("kind") in ("piston", "flap"):
-        return np.empty((0, 2))
-    return np.array(_bounds(box, []))
-
-
-def _bounds(shape: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> tuple[Floats, Floats]:
-    """Return the lower and upper corner [m] of a shape (dict), of still water from the walls (dicts) to its level."""
-    if shape.get("kind") == "still_water":
-        x = np.concatenate([_corners(body) for body in bodies])
-        return x.min(axis=0), np.array([x[:, 0].max(), shape["level"]])
-    if shape.get("kind") == "polygon":
-        points = np.array(shape["points"], dtype=float)
-        return points.min(axis=0), points.max(axis=0)
-    at = np.array(shape["at"], dtype=float)
-    if shape.get("kind") == "disc":
-        return at - shape["radius"], at + shape["radius"]
-    return at, at + np.array([shape["width"], shape["height"]])
+    g = float(np.linalg.norm(gravity))
+    return SceneUnits(height, np.sqrt(height / g), np.sqrt(g * height), case.density * g * height)
 
 
 def literal(text: str, limit: int = 100) -> str:
@@ -269,18 +215,15 @@ def discs(axes: "Axes", x: Floats, diameter: float, **how: Any) -> "EllipseColle
     return drawn
 
 
-def save_small(picture: "Figure", path: AnyPath, dpi: float = 90, colours: int = 64) -> None:
+def save_small(picture: "Figure", path: AnyPath) -> None:
     """Write a figure as a PNG of few colours, which is a third of the size. Raises StoreError."""
     from PIL import Image  # matplotlib needs it
 
     drawn = io.BytesIO()
-    picture.savefig(drawn, format="png", dpi=dpi, bbox_inches="tight")
-    small = Image.open(drawn).convert("RGB").quantize(colours)
-    try:
-        with replacing(path) as new:
-            small.save(new, format="png", optimize=True)
-    except OSError as error:
-        raise StoreError(f"cannot write the picture {path}: {error.strerror or error}") from None
+    picture.savefig(drawn, format="png", dpi=90, bbox_inches="tight")
+    small = Image.open(drawn).convert("RGB").quantize(64)
+    with failing_as(f"write the picture {path}"), replacing(path) as new:
+        small.save(new, format="png", optimize=True)
 
 
 def save(picture: "Figure", path: AnyPath | None, dpi: float = 150) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,13 +12,15 @@ from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
 from parisph.case.bodies import Profile
+from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import domain
 from parisph.geometry.solid import solid_of
 from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
+from parisph.io.views import Snapshot
 from parisph.pictures import style, window
-from parisph.pictures.bodies_view import draw_bodies, draw_marks, of_dict
+from parisph.pictures.bodies_view import draw_bodies, draw_marks
 from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
@@ -79,19 +82,17 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
     The colours end at the greatest value in the picture, of the fluid or of a wet wall.
 
-    run : Run, or the folder of one
+    run : or its folder
     which : number of the snapshot (int, negative from the end), time [s] of the nearest one (float), or a snapshot
         (dict, as from Run.snapshot and Run.peak)
-    field : see Look, also for further keywords
-    path : file to write (.png, .pdf, ...), or None
+    field : see Look, also for further keywords; path : file to write (.png, .pdf, ...), or None
 
-    Raises:
-    CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
+    Raises CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
     StoreError : no such snapshot, or the quantity was not written
     """
     run = run if isinstance(run, Run) else open_run(run)
     snapshot = which if isinstance(which, Mapping) else run.snapshot(which)
-    view = FieldView(run.case, [snapshot], Look(field, **look))
+    view = FieldView(run.scene, [snapshot], Look(field, **look))
     picture = style.new_figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
     view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
@@ -99,20 +100,26 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
     return picture
 
 
-class FieldView:
-    """Draws snapshots of one run, with common scales, walls, colours and window. case : dict, as in case.json"""
+def spread(run: Run, count: int) -> list[Snapshot]:
+    """Return at most `count` snapshots, evenly spread over a run. Raises StoreError for one without any."""
+    if len(run) == 0:
+        raise StoreError(f"{run.folder} has no snapshots")
+    return [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
 
-    def __init__(self, case: Mapping[str, Any], snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
+
+class FieldView:
+    """Draws snapshots of one run, with common scales, walls, colours and window."""
+
+    def __init__(self, scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
-        self.case, self.look = case, look
-        self.quantity, self.own = style.quantity(look.field), style.scene_units(case)
+        self.scene, self.look = scene, look
+        self.quantity, self.own = style.quantity(look.field), style.scene_units(scene)
         if look.normalise and self.own.time is None:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
-        self.spacing = case["numerics"]["spacing"] / self.length
-        self.scene = of_dict(case)
-        self.seen = PictureFrame.of(self.scene, look.frame)
+        self.spacing = scene.numerics.spacing / self.length
+        self.seen = PictureFrame.of(scene, look.frame)
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # times that heights are drawn
 
@@ -163,7 +170,7 @@ class FieldView:
             raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
                              "Output.fields)")
         values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
-        return values * self._factor()
+        return values * self._scale[0]
 
     def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
         """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
@@ -204,7 +211,7 @@ class FieldView:
         beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, Sequence)
                   else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
         bar = picture.colorbar(discs, extend=extend, **beside)
-        bar.set_label(self._label())
+        bar.set_label(self._scale[1])
         bar.ax.spines["outline"].set_linewidth(0.5)
 
     def _shown_values(self, snapshots: Sequence[Mapping[str, Any]]) -> Floats:
@@ -218,23 +225,19 @@ class FieldView:
             found.append(values[shown & inside & np.isfinite(values)])
         return np.concatenate(found)
 
-    def _factor(self) -> float:
+    @cached_property
+    def _scale(self) -> tuple[float, str]:
+        """The factor of values in the picture's unit, and the label of the colour bar."""
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
         if self.look.normalise and scale:
-            return 1.0 / float(scale)
-        return style.with_prefix(scale or 0.0, self.quantity.unit)[0]
-
-    def _label(self) -> str:
-        if self.look.normalise and self.quantity.scale:
             by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
-            return rf"{self.quantity.symbol}$\,/\,{by}$"
-        scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else 0.0
-        unit = style.with_prefix(scale or 0.0, self.quantity.unit)[1]
-        return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
+            return 1.0 / float(scale), rf"{self.quantity.symbol}$\,/\,{by}$"
+        factor, unit = style.with_prefix(scale or 0.0, self.quantity.unit)
+        return factor, f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
-        box, spacing = self._walls_box(), self.case["numerics"]["spacing"]
+        box, spacing = domain(self.scene) if self.scene.wall_bounds is not None else None, self.scene.numerics.spacing
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
         times = np.array([snapshot["time"] for snapshot in snapshots])
@@ -256,10 +259,6 @@ class FieldView:
         if not self.scene.lidded and high <= low + 0.7 * (top - low):
             top = min(top, low + 1.2 * (high - low))
         return np.array([(left, low), (right, low), (right, top), (left, top)])
-
-    def _walls_box(self) -> window.Box | None:
-        """Return the lower and upper corner [m] of the box around all walls, None without any."""
-        return None if self.scene.wall_bounds is None else domain(self.scene)
 
     def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
         """Return the wet wall particles, which have a pressure and fill the gap to the wall of s/2."""
@@ -310,7 +309,7 @@ class FieldView:
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
         more = ",   ".join(filter(None, [self.seen.note(time), window.said(self.stretch), *notes]))
-        title = [*([style.literal(self.case["title"])] if label else []), style.time_label(time, self.own),
+        title = [*([style.literal(self.scene.title)] if label else []), style.time_label(time, self.own),
                  *([more] if more else [])]
         axes.set_title("\n".join(title), loc="left", fontsize=11 if label else 9)
         down = self.seen.down(time)

@@ -7,7 +7,7 @@ from parisph.base.text import named
 from parisph.case.probes import Probe
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
-from parisph.report.entries import Cell, CellTable, number
+from parisph.report.entries import Cell, CellTable, entry, number
 
 SUMMARY, CASE = "summary.json", "case.json"
 ALIGNMENT = (
@@ -46,25 +46,18 @@ def errors(probes: Probes, case: Content, summary: Content) -> CellTable:
 
 def _of_probe(k: int, probe: Probe, case: Content, summary: Content) -> Iterator[tuple[Cell, ...]]:
     for truth, place, path in _truths(k, probe):
-        error = error_of(summary, path)
+        reason = number(summary, SUMMARY, [*path, "reason"])
+        error = number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
         start, end, points, shift, shifted = (
             number(summary, SUMMARY, [*path, name], form) for name, form in
             (("start", ".4g"), ("end", ".4g"), ("points", "d"), ("best_shift", "+.3g"), ("shifted_l2", ".3g")))
-        if _at_the_end(summary, path):
+        best, sought = (entry(summary, [*path, name]) for name in ("best_shift", "shift_sought"))
+        if best and sought and abs(best) > AT_END * sought:
             shift = Cell(f"{shift.text} (end of the range, no minimum)", shift.source)
         of_wave = isinstance(truth, WaveTruth) or (isinstance(truth, (Truth, Profiles)) and truth.wave)
         name = name_of(truth) + (", relative to the wave alone" if of_wave else "")
         yield (Cell(probe.name), Cell(name), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
                points, least_of_others(truth, case, place), shift, shifted)
-
-
-def _at_the_end(summary: Content, path: list[Any]) -> bool:
-    """Return whether the best shift of a probe is at an end of its range."""
-    found: Any = summary
-    for name in path:
-        found = found.get(name) or {}
-    shift, sought = found.get("best_shift"), found.get("shift_sought")
-    return bool(shift and sought and abs(shift) > AT_END * sought)
 
 
 def _truths(k: int, probe: Probe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
@@ -86,12 +79,6 @@ def name_of(truth: AnyTruth) -> str:
     return truth.name or ("numbers" if isinstance(truth, Peaks) else named(truth.file.rpartition("/")[2]))
 
 
-def error_of(summary: Content, path: list[Any]) -> Cell:
-    """Return the error of a probe, or why there is none. path : ["errors", probe, ...]"""
-    reason = number(summary, SUMMARY, [*path, "reason"])
-    return number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
-
-
 def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
     """Return the least error of others that the case states for a truth, whose place is given."""
     levels = truth.published if isinstance(truth, (Truth, Profiles)) else {}
@@ -109,16 +96,8 @@ def profiles(probes: Probes, summary: Content) -> CellTable:
         for truth, _, path in _truths(k, probe):
             rows += [(Cell(probe.name), Cell(name_of(truth)),
                       *(number(summary, SUMMARY, [*path, "profiles", n, name], form) for name, form in columns))
-                     for n in range(_count(summary, [*path, "profiles"]))]
+                     for n in range(len(entry(summary, [*path, "profiles"]) or ()))]
     return CellTable(PROFILE_HEAD, tuple(rows))
-
-
-def _count(summary: Content, path: list[Any]) -> int:
-    """Return the length of a list of the summary, 0 if it is missing."""
-    found: Any = summary
-    for name in path:
-        found = (found or {}).get(name)
-    return len(found or ())
 
 
 def published(probes: Probes) -> list[tuple[str, str]]:

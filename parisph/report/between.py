@@ -10,7 +10,7 @@ from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath, checked
 from parisph.base.reading import read_exactly
 from parisph.base.text import named
-from parisph.io.files import rewrite
+from parisph.io.files import failing_as, rewrite
 
 
 class Between:
@@ -38,10 +38,8 @@ class Between:
         """
         before, newline, after = self._found()
         text = before + "".join(f"{line}{newline}" for part in lines for line in part.split("\n")) + after
-        try:
+        with failing_as(f"write {named(self._file)}"):
             rewrite(self.path, text)
-        except OSError as error:
-            raise StoreError(f"cannot write {named(self._file)}: {error.strerror}") from None
 
     def _found(self) -> tuple[str, str, str]:
         """Return (text before the place, line break, text behind the place)."""

@@ -9,7 +9,6 @@ from parisph.base.errors import CaseError
 from parisph.base.json_digest import MADE
 from parisph.case.wave_sizes import size_of
 from parisph.case.waves import AnyWave
-from parisph.pictures.style import REST, bodies_of, fluids_of
 from parisph.report.account import CASE, SUMMARY, Content, named_rows
 from parisph.report.entries import Cell, CellTable, number
 
@@ -79,12 +78,12 @@ def _made(case: Content) -> dict[str, Any]:
 
 def _scene(case: Content) -> Rows:
     """Yield (name, Cell) of tank, fluid, waves, motions, friction and zones."""
-    for body, place in _placed(case, "walls", bodies_of(case)):
+    for body, place in _placed(case, "walls"):
         name = body.get("name") or body.get("kind", "tank")
         yield from _lengths(case, place, name, LENGTHS)
         if body.get("lid"):
             yield f"{name}, lid", Cell("yes")
-    for fluid, place in _placed(case, "fluid", fluids_of(case)):
+    for fluid, place in _placed(case, "fluid"):
         name = "fluid" if isinstance(case["fluid"], dict) else f"fluid {place[-1] + 1}"
         lengths = list(_lengths(case, [*place, "shape"], name, OF_FLUID))
         yield from lengths or [(f"{name}, shape", number(case, CASE, [*place, "shape", "kind"]))]
@@ -93,7 +92,7 @@ def _scene(case: Content) -> Rows:
             yield f"{name}, viscosity", number(case, CASE, [*place, "viscosity"], ".4g", "m²/s")
         yield from _moves(case, [*place, "wave"], fluid.get("wave"), f"wave at the start in {name}")
     yield from _moves(case, ["frame"], case.get("frame"), "motion of the tank, in whose frame the flow is")
-    for body, place in _placed(case, "walls", bodies_of(case)):
+    for body, place in _placed(case, "walls"):
         name = body.get("name") or body.get("kind", "wall")
         for what in ("motion", "wave"):    # a wavemaker has one of them
             yield from _moves(case, [*place, what], body.get(what), f"{what} of {name}")
@@ -106,11 +105,13 @@ def _scene(case: Content) -> Rows:
         yield from _moves(case, ["absorb", k, "wave"], zone.get("wave"), f"wave of {zone['kind']}")
 
 
-def _placed(case: Content, field: str, items: list[Any]) -> Iterator[tuple[Any, Place]]:
-    """Yield each body of a case with its place in case.json."""
-    several = isinstance(case.get(field), list)
-    for k, item in enumerate(items[:LIMITED]):
-        yield item, [field, k] if several else [field]
+def _placed(case: Content, field: str) -> Iterator[tuple[Any, Place]]:
+    """Yield each body of a case, of which there may be none, one, or several in a list, with its place in case.json."""
+    found = case.get(field)
+    if isinstance(found, list):
+        yield from ((item, [field, k]) for k, item in enumerate(found[:LIMITED]))
+    elif found:
+        yield found, [field]
 
 
 def _lengths(case: Content, place: Place, name: str, told: dict[str, str]) -> Rows:
@@ -123,7 +124,7 @@ def _lengths(case: Content, place: Place, name: str, told: dict[str, str]) -> Ro
 
 def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
     """Yield the kind and the numbers of a wave or a motion (dict); nothing for none."""
-    if not isinstance(what, dict) or what.get("kind", REST["kind"]) == REST["kind"]:
+    if not isinstance(what, dict) or what.get("kind", "at_rest") == "at_rest":
         return
     yield name, number(case, CASE, [*place, "kind"])
     given = {key: unit for key, unit in TOLD.items() if isinstance(what.get(key), (int, float))}

@@ -1,7 +1,7 @@
 """Tables of a report: the volume and the energy of a run, from summary.json."""
 
 from parisph.case.expressions import uniform_field
-from parisph.pictures.style import has_potential
+from parisph.case.schema import Case
 from parisph.report.account import SUMMARY, Content
 from parisph.report.entries import Cell, CellTable, number
 
@@ -24,10 +24,10 @@ MOVING = (
 KINETIC = "No potential energy is computed for this body force: the energy is the kinetic energy alone."
 
 
-def drift(case: Content, summary: Content) -> CellTable:
+def drift(case: Case, summary: Content) -> CellTable:
     """Return the changes of volume and energy since the start."""
     energy = "energy change (work is done on the fluid)" if summary.get("driven") else "energy drift"
-    if not has_potential(case):
+    if not case.same_force_everywhere:
         energy = "change of the kinetic energy (work is done on the fluid)"
     extremes = (("low", "+.3%", ""), ("low_time", ".4g", "s"), ("high", "+.3%", ""), ("high_time", ".4g", "s"))
     rows = []
@@ -59,9 +59,9 @@ def lost(summary: Content) -> list[str]:
     return [f"{many} left over the rim, with a volume of {volume:.3g} m³/m."]
 
 
-def drift_notes(case: Content, summary: Content) -> list[str]:
+def drift_notes(case: Case, summary: Content) -> list[str]:
     """Return the explanations of `drift` and `motion`."""
-    pulled = uniform_field(case["gravity"])
-    energy = [WHOLE] if has_potential(case) and pulled is not None and pulled.any() else []
-    energy += [] if has_potential(case) else [KINETIC]
+    pulled = uniform_field(case.gravity)
+    energy = [] if pulled is None or case.turns else [WHOLE] * bool(pulled.any())
+    energy += [] if case.same_force_everywhere else [KINETIC]
     return [VOLUME, *energy, *([MOVING] if motion(summary).rows else [])]

@@ -21,17 +21,23 @@ class CellTable:
     rows: tuple[tuple[Cell, ...], ...]
 
 
-def number(content: Mapping[str, Any], file: str, path: Sequence[str | int], form: str = ".4g", unit: str = "") -> Cell:
-    """Return the Cell of an entry of a JSON file; "-" if it is missing or None.
-
-    path : names and indices; form : as of format(); unit : written behind it
-    """
+def entry(content: Mapping[str, Any], path: Sequence[str | int]) -> Any:
+    """Return an entry of a JSON file, None if it is missing. path : names and indices"""
     value: Any = content
     for name in path:
         try:
             value = value[name]
         except (KeyError, IndexError, TypeError):
-            value = None
+            return None
+    return value
+
+
+def number(content: Mapping[str, Any], file: str, path: Sequence[str | int], form: str = ".4g", unit: str = "") -> Cell:
+    """Return the Cell of an entry of a JSON file; "-" if it is missing or None.
+
+    path : names and indices; form : as of format(); unit : written behind it
+    """
+    value = entry(content, path)
     if value is None:
         return Cell("-")
     text = format(value, form) if isinstance(value, (int, float)) and not isinstance(value, bool) else str(value)

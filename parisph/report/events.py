@@ -1,4 +1,4 @@
-"""Tables of a report: greatest values, arrivals, and volumes that have passed lines."""
+"""Tables of a report: greatest values, arrivals, volumes that have passed lines, incident and reflected waves."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -30,6 +30,14 @@ PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m²]")
 LINES = (
     "Volumes of water that have passed lines, per metre of width, positive from left to right as seen from the start "
     "of a line to its end. An event ends when no water passes for the `pause` of its probe."
+)
+WAVES_HEAD = ("waves", "gauges", "from [s]", "to [s]", "depth [m]", "incident height [m]", "reflected height [m]",
+        "reflection coefficient", "residual")
+BANDS_HEAD = ("frequency [Hz]", "incident [m²/Hz]", "reflected [m²/Hz]", "reflection coefficient")
+WAVES = (
+    "By least squares from the elevations at the gauges: Goda and Suzuki (two), Mansard and Funke (three). Heights of "
+    "irregular waves are significant ones, of frequencies from half that of the peak to twice that. The residual is "
+    "the part of the amplitudes that two waves do not explain. Other gauges or times: parisph reflection."
 )
 
 
@@ -93,3 +101,24 @@ def _levels(case: Content) -> Iterator[tuple[str, str, list[Any]]]:
         yield probe["name"], probe["kind"], ["probes", k, "arrival"]
         for n, inner in enumerate(probe.get("probes") or ()):
             yield f"{probe['name']}.{inner['name']}", inner["kind"], ["probes", k, "probes", n, "arrival"]
+
+
+def reflection(summary: Content) -> Iterator[tuple[CellTable, str]]:
+    """Yield tables with the words below them; none for a run without a `reflection`."""
+    found = summary.get("reflection")
+    if not found:
+        return
+    path = ["reflection"]
+    if "reason" in found:
+        yield CellTable((), ((Cell("not known"), number(summary, SUMMARY, [*path, "reason"])),)), ""
+        return
+    columns = (("start", ".4g"), ("end", ".4g"), ("depth", ".4g"), ("incident", ".4g"), ("reflected", ".4g"),
+               ("coefficient", ".3g"), ("residual", ".3g"))
+    gauges = Cell(", ".join(found["probes"]), f"{SUMMARY}: reflection/probes")
+    yield CellTable(WAVES_HEAD, ((Cell("regular" if found["regular"] else "irregular"), gauges,
+                        *(number(summary, SUMMARY, [*path, name], form) for name, form in columns)),)), WAVES
+    names = ("frequency", "incident", "reflected", "coefficient")
+    rows = tuple(tuple(number(summary, SUMMARY, [*path, "bands", k, name], ".3g") for name in names)
+                 for k in range(len(found.get("bands") or ())))
+    if rows:
+        yield CellTable(BANDS_HEAD, rows), ""

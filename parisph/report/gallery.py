@@ -10,15 +10,16 @@ from parisph.base.errors import StoreError
 from parisph.base.markdown import escaped, line, target
 from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain
-from parisph.io.files import write_text
+from parisph.io.files import failing_as, write_text
 from parisph.io.reader import Run
-from parisph.pictures import curves, overview, style
+from parisph.pictures import curves, overview
 from parisph.report import account, events, markup
 from parisph.report.between import Between
 from parisph.report.entries import Cell, CellTable, number
 from parisph.report.page import Subject, subject
 
 START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
+WORDS = account.ALIGNMENT.partition(" The last two")[0]
 PICTURES = "pictures"    # folder beside a file that a gallery is put into
 HEAD = ("probe", "truth", "error, greatest value or time", "least error of others", "error against further references")
 
@@ -45,16 +46,15 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     place = Path(out)
     pages, texts = [], ["# Gallery", ""]
     for name, about in _subjects(folders):
-        path = _picture(about.run, _folder(place) / f"{name}.png")
-        pages += [markup.heading(about.title), *([markup.picture(path, _caption(about.run))] if path else []),
+        path = _picture(about.run, place / f"{name}.png")
+        caption = f"{_field(about.run).capitalize()} at t = {about.run.times[_moment(about.run)]:.4g} s" if path else ""
+        pages += [markup.heading(about.title), *([markup.picture(path, caption)] if path else []),
                   markup.table(_facts(about)),
                   markup.table(truths) if (truths := _table(about)).rows else markup.paragraph("No truth.")]
         texts += [f"## {line(about.title)}", "", *_text(name, about, f"{name}.png" if path else "")]
-    try:
-        write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
-        write_text(place / "gallery.md", "\n".join([*texts[:2], _words(), "", *texts[2:]]))
-    except OSError as error:
-        raise StoreError(f"cannot write to {place}: {error.strerror}") from None
+    with failing_as(f"write to {place}"):
+        write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(WORDS), *pages]))
+        write_text(place / "gallery.md", "\n".join([*texts[:2], WORDS, "", *texts[2:]]))
     return [place / "gallery.html", place / "gallery.md"]
 
 
@@ -64,10 +64,10 @@ def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
     Sections are named as the folders of the runs. The pictures go to the folder `pictures` beside the file, or beside
     the target of a link. Raises CaseError for a file without the marks, or not in UTF-8; otherwise as `write`.
     """
-    place, texts = Between(file, START, END, "the gallery"), ["", _words(), ""]
+    place, texts = Between(file, START, END, "the gallery"), ["", WORDS, ""]
     pictures = place.path.parent / PICTURES
     for name, about in _subjects(folders):
-        picture = _picture(about.run, _folder(pictures) / f"{name}.png")
+        picture = _picture(about.run, pictures / f"{name}.png")
         texts += [f"### {line(name)}", "", *_text(about.title, about, f"{PICTURES}/{name}.png" if picture else "")]
     place.put(texts)
     return [Path(file)]
@@ -80,19 +80,10 @@ def _subjects(folders: Sequence[AnyPath]) -> list[tuple[str, Subject]]:
             for number, (name, about) in enumerate(zip(names, subjects), 1)]
 
 
-def _words() -> str:
-    return account.ALIGNMENT.partition(" The last two")[0]
-
-
-def _folder(place: Path) -> Path:
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"cannot make {place}: {error.strerror}") from None
-    return place
-
-
 def _picture(run: Run, path: Path) -> Path | None:
+    """Draw a run, and return the path; None for a run without snapshots."""
+    with failing_as(f"make {path.parent}"):
+        path.parent.mkdir(parents=True, exist_ok=True)
     if len(run) == 0:
         return None
     overview.plot_small(run, _moment(run), path, _field(run))
@@ -104,13 +95,9 @@ def _moment(run: Run) -> int:
     return (2 * (len(run) - 1)) // 3
 
 
-def _caption(run: Run) -> str:
-    return f"{_field(run).capitalize()} at t = {run.times[_moment(run)]:.4g} s"
-
-
 def _field(run: Run) -> str:
     """Return the quantity in the picture: the pressure, or the speed of a viscous flow."""
-    return "speed" if any(fluid.get("viscosity") for fluid in style.fluids_of(run.case)) else "pressure"
+    return "speed" if run.scene.viscosity else "pressure"
 
 
 def _facts(about: Subject) -> CellTable:

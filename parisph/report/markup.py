@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 
-from parisph.base.errors import StoreError
+from parisph.io.files import failing_as
 from parisph.report.entries import Cell, CellTable
 
 STYLE = """
@@ -52,10 +52,8 @@ def _cell(cell: Cell) -> str:
 
 def picture(path: Path, caption: str) -> str:
     """Return a PNG file as part of a page. Raises StoreError."""
-    try:
+    with failing_as(f"read {path}"):
         data = base64.b64encode(path.read_bytes()).decode("ascii")
-    except OSError as error:
-        raise StoreError(f"cannot read {path}: {error.strerror}") from None
     return (f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
             f"<figcaption>{escape(caption)}</figcaption></figure>")
 

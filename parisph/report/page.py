@@ -3,7 +3,7 @@
 The page is one file. Its pictures are also written as PNG files into the folder `report` beside it.
 """
 
-import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,13 @@ from typing import Any
 from parisph.base.errors import CaseError, ParisphError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, plain
-from parisph.case import stored
 from parisph.case.probes import Probe, ProbeArray
 from parisph.case.truths import intervals
-from parisph.io.files import write_text
+from parisph.io.files import failing_as, write_text
 from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, conditions, energies, events, flume, markup
+from parisph.report import account, conditions, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
 LAST = 0.005    # of an interval, at its end, in which a greatest value may go on to rise
@@ -26,15 +25,13 @@ LAST = 0.005    # of an interval, at its end, in which a greatest value may go o
 
 @dataclass(frozen=True)
 class Subject:
-    """The run of a report.
-
-    case : dict, as in case.json; title, probes : of the case; summary : dict, as in summary.json, empty without one
+    """The run of a report. case, summary : as in case.json and summary.json, which may be missing; probes : of the case
     """
 
     run: Run
     title: str
     case: dict[str, Any]
-    probes: list[Probe]
+    probes: Sequence[Probe]
     summary: dict[str, Any]
 
 
@@ -47,8 +44,7 @@ def subject(folder: AnyPath) -> Subject:
                 if inner else "give the folder that `parisph run` has printed at its end")
         raise StoreError(f"{named(folder)} is not the folder of a run, as it has no case.json; {hint}")
     run = open_run(path)
-    case = stored.from_json(json.dumps(run.case), read_only=True)
-    return Subject(run, clipped(plain(case.title), 200), run.case, list(case.probes), run.summary or {})
+    return Subject(run, clipped(plain(run.scene.title), 200), run.case, run.scene.probes, run.summary or {})
 
 
 def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
@@ -59,20 +55,16 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
     """
     about, place = subject(folder), Path(out if out is not None else folder)
     pictures = place / FOLDER
-    try:
+    with failing_as(f"make {pictures}"):
         make_inside(pictures)
-    except OSError as error:
-        raise StoreError(f"cannot make {pictures}: {error.strerror}") from None
     try:
         parts = [*_run(about), *_errors(about), *_series(about, pictures), *_flow(about, pictures),
                  *_conserved(about), *_cost(about, pictures), *_made(about)]
     except (TypeError, KeyError, AttributeError, OverflowError) as error:
         raise StoreError(f"{about.run.folder / 'summary.json'} is damaged: its entries are not those of a summary "
                          f"({type(error).__name__})") from None
-    try:
+    with failing_as(f"write {place / PAGE}"):
         write_text(place / PAGE, markup.page(about.title, parts))
-    except OSError as error:
-        raise StoreError(f"cannot write {place / PAGE}: {error.strerror}") from None
     return place / PAGE
 
 
@@ -104,7 +96,7 @@ def _errors(about: Subject) -> list[str]:
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
             parts += [markup.paragraph(words, "small")] if words else []
-    waves = list(flume.reflection(about.summary))
+    waves = list(events.reflection(about.summary))
     parts += [markup.heading("Incident and reflected waves")] if waves else []
     for content, words in waves:
         parts += [markup.table(content), *([markup.paragraph(words, "small")] if words else [])]
@@ -173,10 +165,11 @@ def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
 def _conserved(about: Subject) -> list[str]:
     if not about.summary:
         return []
-    tables = (energies.drift(about.case, about.summary), energies.motion(about.summary))
+    scene = about.run.scene
+    tables = (energies.drift(scene, about.summary), energies.motion(about.summary))
     return [markup.heading("Volume and energy"), *(markup.table(content) for content in tables if content.rows),
             *(markup.paragraph(text, "small")
-              for text in (*energies.lost(about.summary), *energies.drift_notes(about.case, about.summary)))]
+              for text in (*energies.lost(about.summary), *energies.drift_notes(scene, about.summary)))]
 
 
 def _cost(about: Subject, folder: Path) -> list[str]:

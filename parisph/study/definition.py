@@ -127,8 +127,7 @@ class Study(Choices):
     title : one line for tables and pictures
     variants : list of Variant; without any, the choices of the study itself are combined
     errors : list of measures: TruthError, SeriesError, FinestError, Quantity, Function
-    required : list of Required
-    others : list of OtherCodes, for the pictures
+    required : list of Required; others : list of OtherCodes, for the pictures
     levels : {name of a measure: errors}, for which the CPU times of the methods are compared
     histories : names of probes whose series are drawn side by side, with their truth
     time_limit : longest time of a run on the clock [s], None for no limit

@@ -1,6 +1,6 @@
 """Pictures of a study: error against spacing with the fitted order, and cost against error with the Pareto front."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,13 +49,12 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     picture = style.new_figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)),
                                layout="constrained")
     panels = picture.subplots(1, 2 if both else 1, sharey=True, squeeze=False)[0]
-    looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
-    marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
+    looks = looks_of(report.curves(results))
     if both:
         there = [one for one in others if one.error and one.spacing and axis == "spacing"]
-        convergence(panels[0], dots, looks, marks, of_axis, there)
+        convergence(panels[0], dots, looks, of_axis, there)
         panels[0].set_ylabel(style.literal(label, 60))
-    _costs(panels[-1], dots, looks, marks, [one for one in others if one.error and one.cpu])
+    _costs(panels[-1], dots, looks, [one for one in others if one.error and one.cpu])
     if not both:
         panels[-1].set_ylabel(style.literal(label, 60))
     for axes in panels:
@@ -64,6 +63,12 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     picture.suptitle(style.literal(title, 110), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return True
+
+
+def looks_of(curves: Collection[str]) -> dict[str, style.LineLook]:
+    """Return {curve: its colour, style and mark}."""
+    return {curve: {**look, "marker": MARKS[k % len(MARKS)]}
+            for k, (curve, look) in enumerate(zip(curves, style.line_looks(len(curves))))}
 
 
 def _dots(group: Sequence[Result], name: str, axis: str | None) -> list[Dot]:
@@ -79,7 +84,7 @@ def _dots(group: Sequence[Result], name: str, axis: str | None) -> list[Dot]:
 
 
 def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, style.LineLook],
-                marks: Mapping[str, str], label: str, others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
+                label: str, others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
     """Draw errors against spacing with their fitted orders.
 
     dots : {curve: dots}; label : of the axis; most : entries of a legend inside the axes
@@ -88,7 +93,7 @@ def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
         order = fitted_order(x, y)
         name = curve if order is None else f"{curve} (order {order:.2f})"
-        error_bars(axes, x, group, looks[curve], marks[curve], name)
+        error_bars(axes, x, group, looks[curve], name)
         if order is not None and len(x) > 2:
             ends = np.array([min(x), max(x)])
             middle = np.exp(np.mean(np.log(x))), np.exp(np.mean(np.log(y)))
@@ -103,14 +108,14 @@ def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[
 
 
 def _costs(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, style.LineLook],
-           marks: Mapping[str, str], others: Sequence[OtherPoint]) -> None:
+           others: Sequence[OtherPoint]) -> None:
     everything = [dot for group in dots.values() for dot in group]
     front = [everything[k] for k in pareto([dot.cpu for dot in everything], [dot.mean for dot in everything])]
     axes.plot([dot.cpu for dot in front], [dot.mean for dot in front], color="0.8", linewidth=6, solid_capstyle="round",
               marker="o", markersize=11, zorder=1, label=FRONT)
     for curve, group in dots.items():
         group = sorted(group, key=lambda dot: dot.cpu)
-        error_bars(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
+        error_bars(axes, [dot.cpu for dot in group], group, looks[curve], curve)
     _draw_others(axes, others, "cpu", " (other computer)")
     _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others if one.cpu])
     axes.set_yscale("log")
@@ -118,12 +123,12 @@ def _costs(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, 
     add_legend(axes, dots)
 
 
-def error_bars(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.LineLook, mark: str,
+def error_bars(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.LineLook,
                label: str) -> None:
     """Draw the mean of each dot at a place of the axis, with a bar from the least to the largest."""
     y = np.array([dot.mean for dot in group])
     spread = np.array([[dot.mean - dot.low for dot in group], [dot.high - dot.mean for dot in group]])
-    axes.errorbar(x, y, yerr=spread if spread.any() else None, marker=mark, markersize=5, linewidth=1.2, capsize=3,
+    axes.errorbar(x, y, yerr=spread if spread.any() else None, markersize=5, linewidth=1.2, capsize=3,
                   label=style.literal(label, 60), zorder=3, **look)
 
 

@@ -11,12 +11,12 @@ from parisph.base.arrays import Floats
 from parisph.base.errors import ParisphError
 from parisph.base.table import names as columns_of
 from parisph.base.table import read_reference
-from parisph.case.probes import Probe, class_of
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.study import report
 from parisph.study.plan import Plan
 from parisph.study.results import Result
+from parisph.truth.recorded import own_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +51,8 @@ def draw(results: Sequence[Result], probe: str, plan: Plan, path: Path) -> bool:
     run = next(iter(panels.values()))[0][1]
     column = _column(run, probe)
     unit = run.units(probe).get(column, "")
-    factor, shown = style.with_prefix(_largest(panels, probe, column), unit)
+    values = np.concatenate([run.probe(probe)[column] for group in panels.values() for _, run in group])
+    factor, shown = style.with_prefix(float(np.nanmax(np.abs(values), initial=0.0)), unit)
     truths, sort = _truths(run, probe, plan), report.axis_of(results)[0]
     keys = list(dict.fromkeys(_key(one, sort) for group in panels.values() for one, _ in group))
     looks = dict(zip(keys, style.line_looks(len(keys))))
@@ -115,9 +116,8 @@ def _key(one: Result, sort: str | None) -> str:
 
 
 def _column(run: Run, probe: str) -> str:
-    names = [name for name in run.probe(probe).dtype.names or () if name not in ("time", "step")]
-    kind = next((about["kind"] for about in run.case.get("probes", ()) if about["name"] == probe), "")
-    judged = (class_of(kind) or Probe).judged
+    names = own_columns(run.probe(probe))
+    judged = next((one.judged for one in run.scene.probes if one.name == probe), "")
     return judged if judged in names else names[0]
 
 
@@ -125,7 +125,7 @@ def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]
     """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
     found = {}
     try:
-        if probe in (own := curves.truths(run, Path())):
+        if probe in (own := curves.truths(run)):
             found["truth"] = own[probe]
     except ParisphError:    # the file has been moved: the picture is drawn without it
         pass
@@ -138,11 +138,6 @@ def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]
             t, values = read_reference(file, time, value, measure.offset, measure.scale, measure.time_scale)
             found[measure.name or f"{file.stem}: {value}"] = t - measure.shift, values
     return found
-
-
-def _largest(panels: Mapping[str, Sequence[Drawn]], probe: str, column: str) -> float:
-    values = [np.nanmax(np.abs(run.probe(probe)[column]), initial=0.0) for group in panels.values() for _, run in group]
-    return float(max(values, default=0.0))
 
 
 def _limit(axes: "Axes", panels: Mapping[str, Sequence[Drawn]], probe: str, column: str, factor: float,

@@ -24,11 +24,6 @@ class Verdict:
     values: tuple[float | None, ...]
 
     @property
-    def of(self) -> str:
-        """Name of the measure or the column."""
-        return self.required.of
-
-    @property
     def met(self) -> bool | None:
         """Whether every start meets `must`, None where there is none. A run without a value meets nothing."""
         return self._within(self.required.must)
@@ -60,20 +55,21 @@ def verdicts(study: Study, runs: Sequence[PlannedRun], results: Sequence[Result]
 def table(found: Sequence[Verdict]) -> str:
     """Return verdicts as a Markdown table; of several starts their range is given."""
     return markdown.table(["required", "run", "measured", "must", "aim", "met"], [
-        [one.of, one.where, _range(one.values), _limit(one.required, one.required.must),
-         _limit(one.required, one.required.aim), _word(one)] for one in found])
+        [one.required.of, one.where, _range(one.values), _limit(one.required, one.required.must),
+         _limit(one.required, one.required.aim),
+         ({None: "", True: "yes", False: "NO"}[one.met] + " (aim)" * bool(one.reached)).strip()] for one in found])
 
 
 def as_lines(found: Sequence[Verdict]) -> list[dict[str, Any]]:
     """Return verdicts as a list of dicts for JSON."""
-    return [{"of": one.of, "run": one.where, "values": one.values, "must": one.required.must, "aim": one.required.aim,
-             "least": one.required.least, "met": one.met, "reached": one.reached} for one in found]
+    return [{**one.required.model_dump(exclude={"where"}), "run": one.where, "values": one.values, "met": one.met,
+             "reached": one.reached} for one in found]
 
 
 def unmet(found: Sequence[Verdict]) -> list[str]:
     """Return one line for each requirement that is not met."""
-    return [f"{one.of} of {one.where} is {_range(one.values)}, must be {_limit(one.required, one.required.must)}"
-            for one in found if one.met is False]
+    return [f"{one.required.of} of {one.where} is {_range(one.values)}, must be "
+            f"{_limit(one.required, one.required.must)}" for one in found if one.met is False]
 
 
 def _place(run: PlannedRun) -> str:
@@ -89,8 +85,3 @@ def _range(values: Sequence[float | None]) -> str:
 
 def _limit(required: Required, limit: float | None) -> str:
     return "" if limit is None else f"{'>=' if required.least else '<='} {limit:.4g}"
-
-
-def _word(one: Verdict) -> str:
-    met = {None: "", True: "yes", False: "NO"}[one.met]
-    return (met + " (aim)" * bool(one.reached)).strip()

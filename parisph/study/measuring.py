@@ -14,6 +14,7 @@ from parisph.case.schema import Case
 from parisph.io.reader import Run
 from parisph.study.measures import AnyMeasure, FinestError, Function, Quantity, SeriesError, TruthError, name_of
 from parisph.truth import comparison, norms
+from parisph.truth.recorded import own_columns
 
 
 def faults(measure: AnyMeasure, case: Case, folder: Path) -> list[str]:
@@ -58,16 +59,14 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
 
 
 def _found(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None) -> float | None:
-    if isinstance(measure, TruthError):
-        return _of_truth(measure, run)
     if isinstance(measure, SeriesError):
         return _of_series(measure, run, folder)
     if isinstance(measure, FinestError):
         return _of_finest(measure, run, finest)
-    return _of_summary(measure, run) if isinstance(measure, Quantity) else float(measure.of(run))
-
-
-def _of_truth(measure: TruthError, run: Run) -> float:
+    if isinstance(measure, Quantity):
+        return _of_summary(measure, run)
+    if isinstance(measure, Function):
+        return float(measure.of(run))
     found = ((run.summary or {}).get("errors") or {}).get(measure.probe) or {}
     if found.get(measure.norm) is None:
         raise CaseError(str(found.get("reason") or f"the summary has no error of {measure.probe}"))
@@ -88,7 +87,7 @@ def _of_finest(measure: FinestError, run: Run, finest: Run | None) -> float | No
     if finest is None or finest.folder == run.folder:
         return None
     ours, theirs = run.probe(measure.probe), finest.probe(measure.probe)
-    column = measure.column or next(name for name in ours.dtype.names or () if name not in ("time", "step"))
+    column = measure.column or own_columns(ours)[0]
     reference = _within(theirs["time"], theirs[column], measure)
     return norms.judge(ours["time"], ours[column], *reference)["relative_l2"]
 

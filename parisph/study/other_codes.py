@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from parisph.base import reading
-from parisph.base.errors import CaseError
+from parisph.base import reading, table
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.text import named, shown
 from parisph.study.definition import OtherCodes
 
@@ -28,11 +28,9 @@ def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
     Raises CaseError: the file cannot be read, lacks a column, or has a word in place of a number
     """
     try:
-        names, lines = reading.read_columns(folder / other.file)
-    except OSError as error:
-        raise CaseError(f"others: {named(other.file)} cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise CaseError(f"others: {named(other.file)} cannot be read as a CSV file: {error}") from None
+        names, lines = table.read(folder / other.file)
+    except StoreError as error:
+        raise CaseError(f"others: {error}") from None
     for name in filter(None, (other.code, other.spacing, other.error, other.cpu)):
         if name not in names:
             raise CaseError(f"others: {named(other.file)} has no column {shown(name)} "

@@ -8,7 +8,7 @@ import numpy as np
 
 from parisph.pictures import style
 from parisph.study import error_plots, patch_report
-from parisph.study.error_plots import MARKS, Dot
+from parisph.study.error_plots import Dot
 from parisph.study.patch_study import Histogram, PatchStudy
 from parisph.study.patch_tasks import NORMS, PatchResult
 
@@ -49,8 +49,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     size = SIZE[0] * ACROSS, (SIZE[1] + 0.12 * (len(curves) + 1)) * down
     picture = style.new_figure(figsize=size, layout="constrained")
     panels = picture.subplots(down, ACROSS, squeeze=False)
-    looks = dict(zip(curves, style.line_looks(len(curves))))
-    marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(curves)}
+    looks = error_plots.looks_of(curves)
     for axes, name in zip(panels.flat, names):
         dots = {curve: found for curve, group in curves.items() if (found := _dots(group, name, axis))}
         exact = [curve for curve, group in curves.items()
@@ -62,10 +61,10 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
         if not dots:
             continue
         if axis == "spacing":
-            error_plots.convergence(axes, dots, looks, marks, "spacing $s$", most=INSIDE)
+            error_plots.convergence(axes, dots, looks, "spacing $s$", most=INSIDE)
         else:
             for curve, group in dots.items():
-                error_plots.error_bars(axes, [dot.x for dot in group], group, looks[curve], marks[curve], curve)
+                error_plots.error_bars(axes, [dot.x for dot in group], group, looks[curve], curve)
             axes.set_yscale("log")
             axes.set_xlabel("disorder $k$")
             error_plots.add_legend(axes, dots, INSIDE)

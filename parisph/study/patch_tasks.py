@@ -11,11 +11,12 @@ from parisph.base.errors import CaseError, SolverDiverged
 from parisph.base.fields import SURFACE
 from parisph.base.text import clipped, named, shown
 from parisph.methods.parts import GRADIENTS, LAPLACIANS, SURFACE_GRADIENTS, WALL_ROWS
-from parisph.patch import arrangement, derivatives, patch_norms
+from parisph.patch import arrangement, derivatives
 from parisph.patch.analytic import AnalyticField
 from parisph.patch.arrangement import Arrangement
 from parisph.patch.solution import solution
 from parisph.study.patch_study import OF_GRADIENTS, OF_LAPLACIANS, ON_TANKS, SOLUTIONS, PatchStudy, cells_of
+from parisph.truth import norms
 
 NEAR_WALL = 2      # layers of fluid beside a wall
 FROM_SURFACE = 4   # layers between those and a surface, whose errors are not those of walls
@@ -190,16 +191,16 @@ def _derivative(task: Task, study: PatchStudy) -> PatchResult:
             "the exact value is zero: there is no relative error" if sound.any() else "no particle has a value")
         return result
     found, exact = found[sound], exact[sound]
-    result.norms = dict(zip(("L2", "Linf"), patch_norms.relative(found, exact)))
+    result.norms = dict(zip(("L2", "Linf"), norms.relative_l2_linf(found, exact)))
     if task.operator.kind == "laplacian":
         # the amplitude over the whole square, as 80 pi^2 of the paper's field
         amplitude, volume = float(np.abs(of.laplacians(a.x[a.inside])).max()), a.spacing**a.dim
         if any(one.spacing == task.spacing and one.jitter == task.jitter for one in study.histograms):
             result.sizes = np.abs(found - exact) / amplitude
-        result.norms |= {"Er": patch_norms.z14(found - exact, amplitude, volume),
-                         "Er_max": patch_norms.z14_largest(found - exact, amplitude)}
+        result.norms |= {"Er": norms.z14_er(found - exact, amplitude, volume),
+                         "Er_max": norms.z14_er_max(found - exact, amplitude)}
     elif task.patch in ("interior", "square"):
-        result.norms |= {f"Er_{AXES[b]}": patch_norms.z17((found - exact)[:, b]) for b in range(a.dim)}
+        result.norms |= {f"Er_{AXES[b]}": norms.z17_er((found - exact)[:, b]) for b in range(a.dim)}
     return result
 
 
@@ -217,7 +218,7 @@ def _solution(task: Task, study: PatchStudy) -> PatchResult:
     if not exact.any():
         result.problem = "the exact value is zero: there is no relative error"
         return result
-    result.norms = dict(zip(("L2", "Linf"), patch_norms.relative(p, exact)))
+    result.norms = dict(zip(("L2", "Linf"), norms.relative_l2_linf(p, exact)))
     return result
 
 

@@ -34,7 +34,7 @@ LINE = 300    # characters of a line of a message
 class PlannedRun(Combination):
     """A run of a study, with its case.
 
-    case : Case; stored : its JSON text, which is what runs
+    stored : JSON text of its case, which is what runs
     key : digest of the case, the ranks and parisph's own code: a finished run with the same key is not made again
     parts : Python files that register parts of methods, which the run needs
     """
@@ -139,7 +139,9 @@ def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequenc
             problems.setdefault(line, one.described())
     if problems:
         raise CaseError(first_lines([f"{named(run)}: {line}" for line, run in problems.items()]))
-    _check_required(study, runs)
+    for required in study.required:
+        if not any(matches(required.where, run) for run in runs):
+            raise CaseError(f"required, {named(required.of)}: no run of the study has {shown(required.where)}")
     _check_different(runs)
     folder = study_folder.choose(file, out)
     if limit is not None and not limit > 0.0:
@@ -216,12 +218,6 @@ def _same(a: object, b: object) -> bool:
     if isinstance(a, number) and isinstance(b, number) and not isinstance(a, bool) and not isinstance(b, bool):
         return abs(a - b) <= 1e-9 * max(abs(a), abs(b))
     return a == b
-
-
-def _check_required(study: Study, runs: Sequence[PlannedRun]) -> None:
-    for one in study.required:
-        if not any(matches(one.where, run) for run in runs):
-            raise CaseError(f"required, {named(one.of)}: no run of the study has {shown(one.where)}")
 
 
 def _check_different(runs: Sequence[PlannedRun]) -> None:

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-import parisph
 from parisph.base import environment
 from parisph.base.errors import MissingLibrary
 
@@ -30,18 +29,10 @@ def command(words: Sequence[str], ranks: int) -> list[str]:
     return [launcher, "-n", str(ranks), *own]
 
 
-def surroundings() -> dict[str, str]:
-    """Return the environment of a run: one thread a rank, and the parisph of this study."""
-    found = {**environment.for_launching(), "OMP_NUM_THREADS": "1"}
-    here = str(Path(parisph.__file__).resolve().parent.parent)
-    found["PYTHONPATH"] = os.pathsep.join([here, *filter(None, [found.get("PYTHONPATH")])])
-    return found
-
-
 class Process:
     """A run in the background. It has its own session: Ctrl-C reaches only the study.
 
-    command : list of str; output : file that receives what it prints
+    output : file that receives what it prints
 
     code : exit code, or None while it runs; seconds : time on the clock so far
     stopped : whether `ask` or `kill` has ended it
@@ -51,8 +42,9 @@ class Process:
         self._began, self.stopped = time.monotonic(), False
         self._seconds: float | None = None
         with open(output, "w", encoding="utf-8") as file:
-            self._process = subprocess.Popen(command, env=surroundings(), stdin=subprocess.DEVNULL, stdout=file,
-                                             stderr=subprocess.STDOUT, start_new_session=True)
+            self._process = subprocess.Popen(    # one thread a rank
+                command, env={**environment.for_own(), "OMP_NUM_THREADS": "1"}, stdin=subprocess.DEVNULL, stdout=file,
+                stderr=subprocess.STDOUT, start_new_session=True)
 
     @property
     def code(self) -> int | None:

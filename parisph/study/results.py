@@ -1,6 +1,7 @@
 """What the runs of a study gave: a line for each in results.json and results.csv."""
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -130,20 +131,18 @@ def _values(run: Run, end: End) -> dict[str, float | None]:
 
 def _iterations(run: Run) -> float | None:
     """Return the mean number of iterations of a step, of all its solves; None where a method solves nothing."""
-    try:
+    with suppress(ParisphError):
         steps = run.steps
         counts = [steps[name] for name in ("iterations", "position_iterations") if name in (steps.dtype.names or ())]
         return float(np.mean(np.sum(counts, axis=0))) if counts and len(steps) else None
-    except ParisphError:
-        return None
+    return None
 
 
 def _reached(run: Run) -> tuple[int | None, float | None]:
-    try:
-        steps = run.steps
-        return (int(steps["step"][-1]), float(steps["time"][-1])) if len(steps) else (None, None)
-    except ParisphError:
-        return None, None
+    with suppress(ParisphError):
+        if len(steps := run.steps):
+            return int(steps["step"][-1]), float(steps["time"][-1])
+    return None, None
 
 
 def save(results: Sequence[Result], plan: Plan) -> None:

@@ -26,8 +26,7 @@ def run_patch_study(study: PatchStudy, file: Path, folder: Path, only: Sequence[
     progress : whether a line for each point is written to standard error
     force : whether to use a folder that another host seems to use; show : what the tables are given to
 
-    Raises:
-    CaseError : as patch_tasks.tasks, or a field fails on the particles
+    Raises CaseError : as patch_tasks.tasks, or a field fails on the particles
     Interrupted : Ctrl-C, SIGTERM or SIGHUP; the tables of what was done are there
     StoreError : the folder cannot be written, or another process writes there
     """

@@ -13,26 +13,17 @@ RUN is made of method, spacing, time step, seed, ranks and a digest of the case 
 version of parisph never replaces a run. Nothing is removed.
 """
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError
-from parisph.io.files import write_json
-from parisph.study import (
-    error_plots,
-    history_plots,
-    limits,
-    measures,
-    other_codes,
-    processes,
-    report,
-    results,
-    runs,
-    study_folder,
-)
+from parisph.io.files import failing_as, write_json
+from parisph.study import error_plots, history_plots, limits, measures, other_codes, report, results, runs, study_folder
 from parisph.study.plan import Plan, PlannedRun
+from parisph.study.processes import command
 from parisph.study.results import Result
 
 UNDONE = 1    # exit code if a run failed, or something required is not met
@@ -47,11 +38,10 @@ def run_study(plan: Plan, jobs: int = 1, progress: bool = True, force: bool = Fa
 
     Returns 0, or 1 if a run failed for a reason other than its method, or something required is not met.
 
-    Raises:
-    Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
+    Raises Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
     StoreError : the folder cannot be written, or another process writes there; MissingLibrary : no mpirun
     """
-    processes.command([], max(run.ranks for run in plan.chosen))    # an error if there is no mpirun
+    command([], max(run.ranks for run in plan.chosen))    # an error if there is no mpirun
     with study_folder.hold(plan.folder, force) as renew:
         tell = _Progress(plan, progress)
         made, stopped = _results(plan, jobs, tell, renew)
@@ -99,7 +89,7 @@ def _conclude(plan: Plan, found: Sequence[Result], show: Callable[[str], None], 
     parts = [report.table(found, plan.study), *([limits.table(verdicts)] if verdicts else []),
              *([f"{missing} of {len(plan.runs)} runs have no result yet."] if missing else [])]
     results.save(found, plan)
-    with study_folder.writing(plan.folder):
+    with failing_as(f"write to {plan.folder}"):
         write_json(plan.folder / "required.json", {"required": limits.as_lines(verdicts)})
     study_folder.publish(plan.folder, plan.title, parts, _pictures(plan, found, tell), show)
     unmet, failed = limits.unmet(verdicts), [one for one in found if one.end.status == "failed"]
@@ -145,7 +135,7 @@ class _Progress:
             print(text, file=sys.stderr, flush=True)
 
     def cores(self, todo: Sequence[PlannedRun], jobs: int) -> None:
-        ranks, cores = runs.ranks_at_once(todo, jobs)
+        ranks, cores = sum(sorted((run.ranks for run in todo), reverse=True)[:jobs]), os.cpu_count() or 1
         if ranks > cores:
             self.say(f"warning: {ranks} ranks at once on {cores} cores: times on the clock will be too long")
 

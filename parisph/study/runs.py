@@ -1,7 +1,6 @@
 """Make the runs of a study, several at once. A finished run is not made again."""
 
 import json
-import os
 import tempfile
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -13,11 +12,10 @@ from parisph.base.errors import ParisphError, StoreError
 from parisph.base.json_digest import MADE
 from parisph.base.text import clipped, plain
 from parisph.io import reader
-from parisph.io.files import read_json, write_json, write_text
+from parisph.io.files import failing_as, read_json, write_json, write_text
 from parisph.io.folder import make_inside
 from parisph.study import processes
 from parisph.study.plan import Plan, PlannedRun, code_version
-from parisph.study.study_folder import writing
 
 CASES, RUNS, ENDS = "cases", "runs", "ends"    # folders inside that of a study
 DIVERGED = 3         # exit code of a run that blew up: a result
@@ -80,8 +78,9 @@ def compile_kernels(runs: Sequence[PlannedRun]) -> None:
         coarsest.setdefault((run.method, run.case.numerics.preset, run.ranks), run)
     with tempfile.TemporaryDirectory(prefix="parisph-study-") as place:
         for number, run in enumerate(coarsest.values()):
-            case = Path(place) / f"{number}.json"
-            case.write_text(run.case.changed(end_time=_first_step(run)).model_dump_json(), encoding="utf-8")
+            case, numerics, end = Path(place) / f"{number}.json", run.case.numerics, run.case.end_time
+            step = min(numerics.time_step or numerics.max_time_step or FIRST_STEP * end, end)
+            case.write_text(run.case.changed(end_time=step).model_dump_json(), encoding="utf-8")
             words = ["run", str(case), "-q", "-o", f"{place}/{number}"]
             process = processes.Process(processes.command(words, run.ranks), Path(place) / "output.txt")
             try:
@@ -89,11 +88,6 @@ def compile_kernels(runs: Sequence[PlannedRun]) -> None:
                     time.sleep(processes.PAUSE)
             finally:
                 processes.stop([process])
-
-
-def _first_step(run: PlannedRun) -> float:
-    numerics, end = run.case.numerics, run.case.end_time
-    return min(numerics.time_step or numerics.max_time_step or FIRST_STEP * end, end)
 
 
 def make(runs: Sequence[PlannedRun], plan: Plan, jobs: int = 1,
@@ -104,7 +98,7 @@ def make(runs: Sequence[PlannedRun], plan: Plan, jobs: int = 1,
     If the generator is closed, or an exception is raised in it (Ctrl-C), the runs that it has started are ended.
     Raises StoreError : the folder cannot be written.
     """
-    with writing(plan.folder):
+    with failing_as(f"write to {plan.folder}"):
         for name in (CASES, RUNS, ENDS):
             make_inside(plan.folder / name)
     waiting = list(runs)
@@ -168,8 +162,3 @@ def _reason(run: PlannedRun, plan: Plan, code: int) -> str:
 
 def _one_line(words: str) -> str:
     return clipped(plain(" ".join(words.split())), 120)
-
-
-def ranks_at_once(runs: Sequence[PlannedRun], jobs: int) -> tuple[int, int]:
-    """Return the largest number of ranks that run at once, and the number of cores of this machine."""
-    return sum(sorted((run.ranks for run in runs), reverse=True)[:jobs]), os.cpu_count() or 1

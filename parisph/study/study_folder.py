@@ -12,10 +12,10 @@ from types import FrameType
 from typing import Any
 
 from parisph.base import markdown, paths
-from parisph.base.errors import CaseError, StoreError
+from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named
-from parisph.io.files import write_json, write_text
+from parisph.io.files import failing_as, write_json, write_text
 from parisph.io.lock import Lock
 
 
@@ -35,15 +35,6 @@ def file_name(name: str, otherwise: str, longest: int = 60) -> str:
 
 
 @contextmanager
-def writing(folder: Path) -> Iterator[None]:
-    """Raise StoreError, which names the folder, for an OSError inside."""
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(f"cannot write to {folder}: {error.strerror}") from None
-
-
-@contextmanager
 def hold(folder: Path, force: bool = False) -> Iterator[Callable[[], None]]:
     """Make a folder and hold its lock. SIGTERM and the loss of the terminal act as Ctrl-C meanwhile.
 
@@ -51,7 +42,7 @@ def hold(folder: Path, force: bool = False) -> Iterator[Callable[[], None]]:
     Yields a function that is to be called from time to time: it renews the lock, and raises StoreError if it is lost.
     Raises StoreError if the folder cannot be written, or another process writes there.
     """
-    with writing(folder):
+    with failing_as(f"write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         lock = Lock(folder, force)
     try:
@@ -88,7 +79,7 @@ def save(folder: Path, content: Mapping[str, Any], lines: Sequence[Mapping[str, 
     written = csv.DictWriter(table, columns or ["label"], lineterminator="\n")
     written.writeheader()
     written.writerows(lines)
-    with writing(folder):
+    with failing_as(f"write to {folder}"):
         write_json(folder / "results.json", {**content, name: lines})
         write_text(folder / "results.csv", table.getvalue())
 
@@ -99,7 +90,7 @@ def publish(folder: Path, title: str, parts: Sequence[str], pictures: Sequence[P
 
     parts : paragraphs and tables; pictures : paths of those that were drawn; show : what the text is given to
     """
-    with writing(folder):
+    with failing_as(f"write to {folder}"):
         write_text(folder / "results.md", "\n\n".join([f"# {markdown.line(title)}", *parts]) + "\n")
     show("\n\n".join([title, *parts]))
     for path in [*(folder / f"results.{kind}" for kind in ("md", "csv", "json")), *pictures]:

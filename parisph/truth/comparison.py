@@ -12,7 +12,7 @@ from parisph.base.table import LARGEST, read_reference
 from parisph.base.table import names as columns_of
 from parisph.base.text import named, shown
 from parisph.truth import norms
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, own_columns
 
 EDGE = 0.99     # of the largest shift that is tried, from which on the best one is at the limit
 APART = 3.0     # standard deviations between the means of run and reference, from which on a note says so
@@ -60,19 +60,18 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
-    column = _only(column, [name for name in found.dtype.names or () if name not in ("time", "step")],
-                   f"{probe} has the columns", "--column")
+    column = _only(column, own_columns(found), f"{probe} has the columns", "--column")
     time, value = _columns(reference, columns_of(reference), time, value, column)
-    t, truth = read_reference(reference, time, value, offset, scale, time_scale)
+    truth, ours = read_reference(reference, time, value, offset, scale, time_scale), (found["time"], found[column])
     try:
         if best_shift is not None:
-            shift = norms.best_shift(found["time"], found[column], t, truth, best_shift)
-        judged = norms.judge(found["time"], found[column], t, truth, rest, shift)
+            shift = norms.best_shift(*ours, *truth, best_shift)
+        judged = norms.judge(*ours, *truth, rest, shift)
     except ValueError as error:
         raise CaseError(f"{probe} against {named(reference)}: {error}") from None
-    notes = [*_at_its_limit(shift, best_shift), *_far_apart(found["time"], found[column], t, truth, shift)]
-    result = {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged, "notes": notes}
-    return Comparison(result, (found["time"], found[column]), (t, truth))
+    result = {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged,
+              "notes": list(_doubts(ours, truth, shift, best_shift))}
+    return Comparison(result, ours, truth)
 
 
 def text(result: Mapping[str, Any]) -> str:
@@ -85,16 +84,14 @@ def text(result: Mapping[str, Any]) -> str:
             f"norm of Z14        {result['z14']:.4g}" + "".join(f"\nnote: {note}" for note in result.get("notes", ())))
 
 
-def _at_its_limit(shift: float, most: float | None) -> Iterator[str]:
-    """Yield a note if the best shift is at the limit [s] of those that were tried."""
+def _doubts(found: tuple[Floats, Floats], reference: tuple[Floats, Floats], shift: float,
+            most: float | None) -> Iterator[str]:
+    """Yield a note if the best shift is at the limit [s] of those that were tried, and one if the means of run and
+    reference differ by more than both vary."""
     if most and abs(shift) > EDGE * most:
         yield (f"the best shift is at its limit of {most:g} s: allow more with --best-shift, or see whether time, "
                "value, scale and offset of the reference are those of the run")
-
-
-def _far_apart(time: Floats, values: Floats, reference_time: Floats, reference: Floats, shift: float) -> Iterator[str]:
-    """Yield a note if the means of run and reference differ by more than both vary."""
-    at, ours, theirs = norms.on_reference(time, values, reference_time, reference, shift)
+    at, ours, theirs = norms.on_reference(*found, *reference, shift)
     apart, spread = ours.mean() - theirs.mean(), max(ours.std(), theirs.std())
     if len(at) > FEW and abs(apart) > APART * spread:
         yield (f"the mean of the run is {ours.mean():.4g}, that of the reference {theirs.mean():.4g}: is another "

@@ -12,7 +12,7 @@ from parisph.base.errors import ParisphError
 from parisph.case.schema import Case
 from parisph.case.truths import intervals
 from parisph.truth import norms
-from parisph.truth.recorded import Recorded, probe_records
+from parisph.truth.recorded import Recorded, own_columns, probe_records
 
 MEAN = 0.005     # [s] of the mean about a peak, about what a sensor and its amplifier resolve
 AROUND = 10      # samples to either side of a peak: the larger of their medians is the level around it
@@ -99,7 +99,7 @@ def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
             table, units = run.probe(probe.name), run.units(probe.name)
         except ParisphError:    # no file: the run has not come so far
             continue
-        column = next(name for name in table.dtype.names or () if name not in ("time", "step"))
+        column = own_columns(table)[0]
         allowed = _allowed(probe.truth, table["time"])
         values = np.where(True if allowed is None else allowed, table[column], np.nan)
         if np.isfinite(values).any():

@@ -1,4 +1,4 @@
-"""Errors of a time series against a reference.
+"""Errors of a time series against a reference, and of operators.
 
 Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s] increase. Nothing here is
 collective. A series that cannot be evaluated raises ValueError.
@@ -11,18 +11,11 @@ from parisph.base.arrays import Flags, Floats
 MOST_SAMPLES = 10_000    # of a series that is sampled evenly
 
 
-def relative_l2(value: Floats, truth: Floats) -> float:
-    """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
+def relative_l2(value: Floats, truth: Floats, rest: float = 0.0) -> float:
+    """Return |value - truth| / |truth - rest| in the discrete L2 norm; both (n,), any unit.
 
     Z14 uses it for pressures (Er_p, Sec. 3.1.2) and for elevations above the bed (Er_eta, Sec. 3.2.1).
-    """
-    return wave_relative_l2(value, truth, 0.0)
-
-
-def wave_relative_l2(value: Floats, truth: Floats, rest: float) -> float:
-    """Return |value - truth| / |truth - rest|: the error relative to the wave itself.
-
-    rest : level of the water at rest, in the unit of the series.
+    rest : level of the water at rest, in the unit of the series: the error is then relative to the wave itself
     """
     value, truth = _pair(value, truth)
     size = np.linalg.norm(truth - rest)
@@ -42,6 +35,37 @@ def z17_elevation(elevation: Floats, truth: Floats) -> float:
     if total == 0.0:
         raise ValueError("the truth adds up to zero: Eq 35 of Z17 divides by that sum")
     return float(np.linalg.norm(value - truth) / abs(total))
+
+
+def z14_er(error: Floats, size: float, volume: float) -> float:
+    """Return Er of Z14, Sec. 2.2: sqrt(sum (error/size)^2 m/rho), (n,) errors.
+
+    size : amplitude of the exact derivative; volume : m/rho of a particle [m^dim]. It is the rms times the root of the
+    area that is looked at, 0.6 for the paper's window.
+    """
+    return float(np.sqrt(np.sum((error / size) ** 2) * volume))
+
+
+def z14_er_max(error: Floats, size: float) -> float:
+    """Return Er_max of Z14, Sec. 2.2: the largest |error|/size."""
+    return float(np.abs(error).max() / size)
+
+
+def z17_er(error: Floats) -> float:
+    """Return Er of Z17 Eq 33 as printed, of one component: sqrt(sum error^2)/N.
+
+    It is the rms divided once more by sqrt(N): it decreases as 1/sqrt(N) for an error that does not.
+    """
+    return float(np.linalg.norm(error) / len(error))
+
+
+def relative_l2_linf(found: Floats, exact: Floats) -> tuple[float, float]:
+    """Return the error relative to the exact values in L2, and in L-infinity (largest error over largest value).
+
+    found, exact : (n,), or (n, dim) for vectors, whose length counts
+    """
+    error, size = (np.abs(a) if a.ndim == 1 else np.linalg.norm(a, axis=1) for a in (found - exact, exact))
+    return relative_l2(found.ravel(), exact.ravel()), float(error.max() / size.max())
 
 
 def on_reference(time: Floats, value: Floats, reference_time: Floats, reference: Floats,
@@ -111,7 +135,7 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
     """
     t, found, truth = on_reference(time, value, reference_time, reference, shift)
     return {
-        "relative_l2": wave_relative_l2(found, truth, 0.0 if rest is None else rest),
+        "relative_l2": relative_l2(found, truth, 0.0 if rest is None else rest),
         "z14": relative_l2(found, truth), "samples": len(t), "start": float(t[0]), "end": float(t[-1]),
     }
 
@@ -143,20 +167,16 @@ def moving_mean(time: Floats, value: Floats, width: float) -> Floats:
 
     At the ends of the series the mean is over what is there.
     """
-    time, value = _series(time, value)
-    return _moving_mean(time, value, width)
+    t, p = _series(time, value)
+    low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
+    mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
+    return mean
 
 
 def _within(time: Floats, other: Floats) -> Flags:
     """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
     inside: Flags = (time >= other[0]) & (time <= other[-1])
     return inside
-
-
-def _moving_mean(t: Floats, p: Floats, width: float) -> Floats:
-    low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
-    mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
-    return mean
 
 
 def _integral(t: Floats, p: Floats, upto: Floats) -> Floats:

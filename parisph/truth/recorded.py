@@ -23,6 +23,11 @@ class Recorded(Protocol):
         """Return {column: unit} of a probe."""
 
 
+def own_columns(table: Array) -> list[str]:
+    """Return the names of the columns of a probe's series but for the time and the step."""
+    return [name for name in table.dtype.names or () if name not in ("time", "step")]
+
+
 class ProbeRecord(NamedTuple):
     """The series of one probe.
 
@@ -55,7 +60,7 @@ def probe_records(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> I
             table = run.probe(probe.name)
         except ParisphError:
             continue
-        columns = [column for column in table.dtype.names or () if column not in ("time", "step")]
+        columns = own_columns(table)
         for name, one in mine:
             prefix = f"{one.name}_" if isinstance(probe, ProbeArray) else ""
             own = [one.name] if prefix and one.name in columns else [

@@ -67,7 +67,11 @@ def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, per
     peak = period or (float(made.period) if isinstance(made, Jonswap) else None)
     k = _wave_number(made, peak, depth, g) if peak else None
     names = _chosen(case, k, depth) if probes is None else list(probes)
-    places = [_gauge(case, name).at for name in names]
+    there = surface_gauges(case.probes)
+    for name in names:
+        if name not in there:
+            raise CaseError(f"there is no SurfaceGauge {shown(name)} (there is {listed(list(there)) or 'none'})")
+    places = [there[name].at for name in names]
     time, rows = _series(run, names)
     start, end = _window(case, places, time, peak if regular else None, k, depth, (start, end))
     inside = (time >= start) & (time <= end)
@@ -148,13 +152,6 @@ def _gauges(case: Case, depth: float) -> dict[str, Gauge]:
         wrong = np.abs(float(case.fluid_bounds[1][-1]) - beds - depth) > SAME_DEPTH * depth
         found = found[:int(np.argmax(wrong)) if wrong.any() else None]    # behind a bar are other waves
     return dict(sorted(found, key=lambda one: one[1].at))
-
-
-def _gauge(case: Case, name: str) -> Gauge:
-    there = surface_gauges(case.probes)
-    if name not in there:
-        raise CaseError(f"there is no SurfaceGauge {shown(name)} (there is {listed(list(there)) or 'none'})")
-    return there[name]
 
 
 def _chosen(case: Case, k: float | None, depth: float) -> list[str]:

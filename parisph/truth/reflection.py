@@ -16,6 +16,7 @@ SPREAD_OF_MANY = 0.15    # the same for each frequency of irregular waves; error
 TAPER = 0.1      # of a record, at each end
 WITHIN = (0.5, 2.0)    # of the frequency of the peak, where nearly all energy is
 BANDS = 12       # of equal width within that
+HARMONICS = 2    # of a regular wave that are fitted
 
 
 class Waves(NamedTuple):
@@ -34,8 +35,7 @@ class Waves(NamedTuple):
         return self.reflected / self.incident
 
 
-def separated(times: Floats, elevations: Floats, places: Sequence[float], period: float, k: float,
-              harmonics: int = 2) -> Waves:
+def separated(times: Floats, elevations: Floats, places: Sequence[float], period: float, k: float) -> Waves:
     """Return the Waves of a period [s] and a wave number k [1/m].
 
     The first harmonic at each gauge is found by least squares, beside the mean, a linear trend and the further
@@ -55,7 +55,7 @@ def separated(times: Floats, elevations: Floats, places: Sequence[float], period
         raise ValueError(f"the elevations last less than a period of {period:.4g} s")
     phase = 2.0 * np.pi / period * times
     parts = [np.ones_like(times), (times - times[0]) / period]
-    for n in range(1, harmonics + 1):
+    for n in range(1, HARMONICS + 1):
         parts += [np.cos(n * phase), np.sin(n * phase)]
     found, *_ = np.linalg.lstsq(np.stack(parts, axis=1), rows.T, rcond=None)
     b = found[2] - 1j * found[3]    # elevation = Re(b exp(i omega t))
@@ -86,12 +86,6 @@ class Spectra(NamedTuple):
         width = self.frequencies[1] - self.frequencies[0]
         incident, reflected = (float(4.0 * np.sqrt(np.nansum(one) * width)) for one in (self.incident, self.reflected))
         return incident, reflected
-
-    @property
-    def reflection(self) -> float:
-        """Reflected over incident significant height."""
-        incident, reflected = self.heights
-        return reflected / incident
 
 
 def spectra(times: Floats, elevations: Floats, places: Sequence[float], depth: float, g: float = 9.81) -> Spectra:

@@ -12,7 +12,7 @@ from parisph.case.profiles import Profiles
 from parisph.case.schema import Case
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.truth import impacts, norms, profiled
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, own_columns
 
 SOUGHT = 0.05    # of the compared time: largest shift either way that is tried
 
@@ -20,8 +20,7 @@ SOUGHT = 0.05    # of the compared time: largest shift either way that is tried
 def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: errors} for the probes that have a truth. Not collective.
 
-    Returns:
-    dict of dicts, without a shift of time but for the last entries:
+    Returns dict of dicts, without a shift of time but for the last entries:
     relative_l2 : relative to the wave if Truth.wave is set, in the window of the truth, after Truth.smooth
     paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, relative to all, with the depth
     paper_2017 : for waves, that of Zheng et al. (2017), Eq 35
@@ -47,8 +46,7 @@ def series(probe: Probe, run: Recorded) -> tuple[Floats, Floats]:
 def _recorded(probe: Probe, run: Recorded) -> tuple[Array, str]:
     """Return the table of a probe, and the column that is compared with its truth."""
     found = run.probe(probe.name)
-    own = (name for name in found.dtype.names or () if name not in ("time", "step"))
-    return found, probe.judged or next(own)
+    return found, probe.judged or own_columns(found)[0]
 
 
 def compared_series(truth: Truth, time: Floats, values: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:

@@ -22,7 +22,6 @@ class Passages:
     So the sum is the volume on the other side, without any error that grows.
 
     case : whose probes with a `line` count, those in arrays too
-    comm : communicator
     state : of an earlier part of the run (`state`)
     """
 

@@ -33,11 +33,10 @@ if TYPE_CHECKING:    # a case is described without MPI and numba
 class ProbeScene:
     """The data of a case that samplers need.
 
-    spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
-    the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
-    zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above;
-    now : the walls and where they are, None without walls; sides : x of both
-    sides of the first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
+    spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of the tank, or of the
+    fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
+    constant in the tank's frame; now : the walls and where they are, None without walls; sides : x of both sides of the
+    first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
     dim: int
@@ -48,7 +47,6 @@ class ProbeScene:
     upper: Floats
     tank: bool
     gravity: Floats
-    lid: bool = False
     now: WallsNow | None = None
     sides: tuple[float, ...] = ()
     kinds: Mapping[str, str] = field(default_factory=dict)
@@ -57,9 +55,10 @@ class ProbeScene:
     def of(cls, case: Case) -> "ProbeScene":
         """Return the ProbeScene of a Case."""
         s, mesh = case.numerics.spacing, build.scene_mesh(case)
+        gravity = None if case.turns else expressions.uniform_field(case.gravity)
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
-        return cls(case.dim, s, build.lattice_step(case), case.density,
-                   *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
+        return cls(case.dim, s, build.fillings(case)[0].step, case.density, *build.domain(case), case.tank is not None,
+                   np.zeros(case.dim) if gravity is None else gravity,
                    None if mesh is None else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
@@ -84,12 +83,6 @@ class ProbeScene:
             return ()
         moved = self.now.motion_of(number).placed(np.array([(side, 0.0) for side in self.sides]), time)
         return tuple(float(x) for x in moved[:, 0])
-
-
-def _uniform(case: Case) -> Floats:
-    """Return the body force (dim,) [m/s2] if it is uniform and constant, else zeros (no potential)."""
-    found = None if case.turns else expressions.uniform_field(case.gravity)
-    return np.zeros(case.dim) if found is None else found
 
 
 class View:
@@ -141,10 +134,8 @@ class View:
 class Sampler:
     """One probe of a run, or an array of them, with the columns of all.
 
-    name, title : str
-    columns : dict of column name -> unit
-    ghosts : fields of the ghosts that must be up to date
-    measure : Measure, what gives its values
+    columns : {name: unit}; ghosts : fields of the ghosts that must be up to date
+    measure : what gives its values
     of_pressure : whether its values are those of the pressure alone, and so of the time for which that was solved; they
         are linear in it, and means in time in a run (watch.means)
     acted : names of columns with the pressure that acts in a step, also where others are means in time: all columns

@@ -1,7 +1,6 @@
 """The walls of a scene as probes see them: where they are at a time (2D)."""
 
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 
@@ -57,16 +56,12 @@ class WallsNow:
         return self._floors[at]
 
     def _found_floors(self, corners: Floats, at: float) -> Floats:
-        up, aside = corners[corners[:, 0, 0] < corners[:, 1, 0]], BESIDE * self._width
+        up, aside = corners[corners[:, 0, 0] < corners[:, 1, 0]], BESIDE * float(np.ptp(self.mesh.x0[:, 0]))
         for place in (at, at - aside, at + aside):
             found = crossings(up[:, 0], up[:, 1], np.array([place]))[1]
             if len(found):
                 return np.sort(found)
         return np.array([corners[:, :, 1].min()])
-
-    @cached_property
-    def _width(self) -> float:
-        return float(np.ptp(self.mesh.x0[:, 0]))
 
     def number(self, name: str) -> int:
         """Return the number of the body of this name."""

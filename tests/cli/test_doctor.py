@@ -72,7 +72,7 @@ def test_library_that_fails_or_crashes(tmp_path, monkeypatch, program, says):
     python.write_text(f"#!/bin/sh\n{program}\n")
     python.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(python))
-    found, = doctor._library("numpy", "numpy", {"numpy": doctor._judge_numpy}, "pip install numpy")
+    found, = doctor._library("numpy", "numpy", {}, "pip install numpy")
     assert not found.ok and says in found.detail and found.remedy == "pip install numpy"
 
 

@@ -6,19 +6,17 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
+from parisph import Box, Simulation, Tank
 from parisph.base.fields import FLUID
 from parisph.case.time_scales import flow_length
 from parisph.methods import timestep
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 SPACING, G = 0.05, 9.81
 
 
 def column(**numerics):
-    return Case(title="column", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0),
-                walls=Tank(width=2.0, height=2.0),
-                gravity=(0.0, -G), numerics=Numerics(spacing=SPACING, **numerics), end_time=1.0)
+    return water((0.5, 1.0), (2.0, 2.0), dict(spacing=SPACING, **numerics), gravity=(0.0, -G))
 
 
 def largest(case, count):
@@ -105,9 +103,7 @@ def test_still_water_is_not_limited():
 @pytest.mark.parametrize("closed", [True, False])
 def test_a_full_closed_tank_has_numbers_of_its_own(closed, simulated):
     height = 1.0 if closed else 0.5
-    case = Case(title="box", fluid=Fluid(Box(width=1.0, height=height), density=1000.0),
-                walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, 0.0), numerics=Numerics(spacing=0.1, filter=0.02), end_time=1.0)
+    case = water((1.0, height), (1.0, 1.0, True), dict(spacing=0.1, filter=0.02), gravity=(0.0, 0.0))
     s = simulated(case)
     n = s.numerics
     assert n.filter == 0.02     # the user's own

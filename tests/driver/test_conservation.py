@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Obstacle, Output, Polygon, StillWater, Tank
+from parisph import Box, Obstacle, Output, Polygon, StillWater
 from parisph.driver import Simulation, describe, restart, run
 from parisph.driver.conservation import Conservation, Range
 from parisph.driver.summary import Account
 from parisph.io import info as words
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 
 def started(case):
@@ -93,9 +93,7 @@ def test_what_is_no_number_is_named(field):
 @pytest.mark.parametrize("gravity", [(0.0, -9.81), (9.81, 0.0), (0.0, 9.81), (-6.0, 6.0)])
 def test_change_of_energy_has_its_sign_in_every_direction_of_gravity(gravity):
     """Where water lies is 0 or more above the lowest corner; .1 m/s of 500 kg/m is a rise, in per cent of the start."""
-    s, kept = started(Case(title="any way down", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
-                           walls=Tank(width=1.0, height=1.0, lid=True),
-                           gravity=gravity, numerics=Numerics(spacing=0.1), end_time=1.0))
+    s, kept = started(water((1.0, 0.5), (1.0, 1.0, True), 0.1, gravity=gravity))
     start = kept.energy.start
     s.particles.u[s.particles.kind == 0] = (0.1, 0.0)
     kept.step(s)
@@ -106,9 +104,7 @@ def test_change_of_energy_has_its_sign_in_every_direction_of_gravity(gravity):
 
 
 def test_volume_of_a_thin_layer_is_said_to_be_unknown():
-    s, kept = started(Case(title="a puddle", fluid=Fluid(Box(width=1.0, height=0.15), density=1000.0),
-                           walls=Tank(width=1.0, height=1.0),
-                           gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05), end_time=1.0))
+    s, kept = started(water((1.0, 0.15), (1.0, 1.0), 0.05))
     lines = words.table(kept.content())
     assert any(line.startswith("volume drift ") and "not measured: nothing was 2.1 spacings inside" in line
                for line in lines)
@@ -144,17 +140,13 @@ def test_energy_in_motion_of_a_standing_wave():
     """rho g a^2 L/4 of a wave whose water is far more, at the start all kinetic; the same if it is raised instead."""
     due = 0.25 * 1000.0 * 9.81 * 0.025**2 * 2.0
     assert in_motion(scene("standing_wave", spacing=0.025))["start"] == pytest.approx(due, rel=0.02)
-    raised = Case(title="raised", fluid=Fluid(Box(width=2.0, height=1.0), density=1000.0, elevation="0.025*cos(pi*x)"),
-                  walls=Tank(width=2.0, height=1.5), gravity=(0.0, -9.81),
-                  numerics=Numerics(spacing=0.025), end_time=1.0)
+    raised = water((2.0, 1.0), (2.0, 1.5), 0.025, elevation="0.025*cos(pi*x)", title="raised")
     assert in_motion(raised)["start"] == pytest.approx(due, rel=0.03)
 
 
 def test_energy_in_motion_of_water_at_rest_and_of_a_column():
     assert in_motion(scene("hydrostatic", spacing=0.1))["start"] == pytest.approx(0.0, abs=1e-9)
-    full = Case(title="full", fluid=Fluid(Box(width=1.0, height=1.0), density=1000.0),
-                walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), end_time=1.0)
+    full = water((1.0, 1.0), (1.0, 1.0, True), 0.1)
     assert in_motion(full)["start"] == pytest.approx(0.0, abs=1e-8)
     column = in_motion(scene("dam_break", spacing=0.05))["start"]    # H^2 L/2 - (L H/D)^2 D/2
     assert column == pytest.approx(9810.0 * (0.25 - 0.0625), rel=0.01)
@@ -164,9 +156,8 @@ def test_energy_in_motion_of_water_at_rest_and_of_a_column():
 def test_energy_in_motion_of_still_water_with_a_wave(preset):
     """In a tank alone it is that of the surface, whatever the preset; not where a body stands in the water."""
     due = 0.25 * 1000.0 * 9.81 * 0.025**2 * 2.0
-    raised = Case(title="raised", fluid=Fluid(StillWater(level=1.0), density=1000.0, elevation="0.025*cos(pi*x)"),
-                  walls=Tank(width=2.0, height=1.5), gravity=(0.0, -9.81),
-                  numerics=Numerics(spacing=0.1, preset=preset), end_time=1.0)
+    raised = water(StillWater(level=1.0), (2.0, 1.5), dict(spacing=0.1, preset=preset), elevation="0.025*cos(pi*x)",
+                   title="raised")
     assert in_motion(raised)["start"] == pytest.approx(due, rel=0.05)
     pier = Obstacle(Box(width=0.3, height=1.4, at=(0.8, 0.0)), name="pier")
     assert in_motion(raised.changed(walls=(raised.walls, pier))) is None
@@ -209,10 +200,8 @@ def test_energy_in_motion_means_nothing_without_a_level():
 
 
 def column(end_time, rtol=None):
-    return Case(title="column", fluid=Fluid(Box(width=0.5, height=0.5), density=1000.0),
-                walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.005, rtol=rtol),
-                output=Output(checkpoint_every=0.1), end_time=end_time)
+    return water((0.5, 0.5), (1.0, 1.0, True), dict(spacing=0.05, time_step=0.005, rtol=rtol),
+                 output=Output(checkpoint_every=0.1), end_time=end_time)
 
 
 def test_extremes_go_on_over_a_restart(tmp_path):
@@ -242,9 +231,7 @@ def test_account_of_an_older_run_is_taken_up(simulated):
 def without_surface():
     """A polygon that fills a tank with a lid: no particle of it lies on a surface."""
     corners = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    return Case(title="full polygon", fluid=Fluid(Polygon(corners), density=1000.0),
-                walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle"), end_time=0.1)
+    return water(Polygon(corners), (1.0, 1.0, True), dict(spacing=0.1, preset="gentle"), end_time=0.1)
 
 
 def test_fluid_without_a_surface_is_announced(tmp_path):

@@ -9,10 +9,10 @@ from mpi4py import MPI
 
 from parisph import driver
 from parisph.case import scales, waves
-from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
+from parisph.case.schema import Sway
 from parisph.driver import cost, describe
 from parisph.driver.estimate import estimated_steps
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 
 @pytest.fixture(autouse=True)
@@ -24,11 +24,9 @@ def cache(tmp_path, monkeypatch):
 
 def sloshing(amplitude=0.03, spacing=0.04, **values):
     """The first case of the README: a tank of water shaken at its first natural frequency."""
-    return Case(title="sloshing", fluid=Fluid(Box(width=1.0, height=0.4), density=1000.0),
-                walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), frame=Sway(amplitude=amplitude,
-                                                 frequency=float(waves.angular_frequency(np.pi, 0.4))),
-                numerics=Numerics(spacing=spacing), end_time=3.0).changed(**values)
+    return water((1.0, 0.4), (1.0, 1.0, True), spacing, title="sloshing",
+                 frame=Sway(amplitude=amplitude, frequency=float(waves.angular_frequency(np.pi, 0.4))),
+                 end_time=3.0).changed(**values)
 
 
 CASES = {
@@ -63,9 +61,8 @@ def test_steps_and_seconds_of_real_runs(name, simulated):
 def test_steps_of_a_steep_gentle_wave_are_those_of_its_strain(phase):
     """They were estimated at less than half of what they are."""
     wave = waves.StandingWave(amplitude=0.05, length=1.0, depth=0.5, phase=phase)
-    case = Case(title="steep", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0, wave=wave),
-                walls=Tank(width=1.0, height=0.8), gravity=(0.0, -9.81), end_time=0.5 * np.pi / wave.omega,
-                numerics=Numerics(preset="gentle", spacing=0.05))
+    case = water((1.0, 0.5), (1.0, 0.8), dict(preset="gentle", spacing=0.05), wave=wave,
+                 end_time=0.5 * np.pi / wave.omega)
     simulation, taken = driver.Simulation(case, MPI.COMM_SELF), []
     while not simulation.finished():
         simulation.advance()

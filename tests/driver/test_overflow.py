@@ -11,16 +11,13 @@ from parisph.base.fields import FLUID
 from parisph.driver import wall_penetration
 from parisph.geometry.rims import rims_of
 from parisph.io import reader
-from tests.scenes import assert_same, on_one_and_more, on_two_and_then
+from tests.scenes import assert_same, on_one_and_more, on_two_and_then, water
 
 
 def pouring(end_time=0.2, **output):
     """A square of water, thrown up and to the right: its upper part goes over the rim."""
-    return Case(
-        title="pouring", fluid=Fluid(Box(width=0.4, height=0.4, at=(0.5, 0.2)), density=1000.0, velocity=(3.0, 3.0)),
-        walls=Tank(width=1.0, height=0.6), gravity=(0.0, -9.81),
-        numerics=Numerics(spacing=0.05, time_step=0.002, rtol=1e-13),
-        output=Output(**output), probes=[Energy("energy")], end_time=end_time)
+    return water((0.4, 0.4, (0.5, 0.2)), (1.0, 0.6), dict(spacing=0.05, time_step=0.002, rtol=1e-13),
+                 velocity=(3.0, 3.0), output=Output(**output), probes=[Energy("energy")], end_time=end_time)
 
 
 def test_every_particle_is_in_the_tank_or_counted(simulated):
@@ -68,9 +65,7 @@ def test_a_loss_through_a_wall_or_of_all_water_is_an_error(simulated, which, at,
 
 def test_water_flows_over_the_rim(simulated):
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
-    case = Case(title="weir", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
-                walls=Tank(width=1.0, height=0.5),
-                gravity=(2.0, -9.6), numerics=Numerics(spacing=0.05), end_time=1.5)
+    case = water((1.0, 0.5), (1.0, 0.5), 0.05, gravity=(2.0, -9.6), end_time=1.5)
     s = simulated(case)
     p = s.particles
     volume = p.volume.sum()

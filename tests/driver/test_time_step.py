@@ -12,6 +12,7 @@ from parisph.driver import Simulation, describe
 from parisph.driver.schedule import SHARING
 from parisph.io import checkpoint
 from parisph.methods.timestep import STRAIN
+from tests.scenes import water
 
 PERIOD = 1.0    # [s]
 CFL = 0.8       # of the violent preset
@@ -19,10 +20,8 @@ CFL = 0.8       # of the violent preset
 
 def swaying(**numerics):
     """A case of a tank without gravity that sways so little that nothing else limits the step."""
-    return Case(title="sway", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
-                walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, 0.0), frame=Sway(amplitude=1e-3, frequency=2.0 * pi / PERIOD),
-                numerics=Numerics(spacing=0.1, **numerics), end_time=5.0)
+    return water((1.0, 0.5), (1.0, 1.0, True), dict(spacing=0.1, **numerics), gravity=(0.0, 0.0),
+                 frame=Sway(amplitude=0.001, frequency=2.0 * pi / PERIOD), end_time=5.0)
 
 
 @pytest.mark.parametrize(("numerics", "longest"),

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Simulation, StandingWave, Tank
+from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Simulation, StandingWave
 from parisph.base.fields import FLUID
 from parisph.driver import run
 from parisph.io import reader
 from parisph.kernels import strain
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 ASKED = ("u", "p", "role", "vorticity")
 
@@ -36,10 +36,8 @@ def test_an_irrotational_wave_has_none_beside_walls(spacing, step):
     Measured .0005 to .0006, of a velocity gradient of .04. The velocities of the run stay as they are.
     """
     wave = StandingWave(amplitude=0.01, depth=0.5, length=2.0, phase=pi / 2)
-    simulation = Simulation(Case(
-        title="wave", fluid=Fluid(Box(1.0, 0.5), density=1000.0, wave=wave), walls=Tank(width=1.0, height=0.8),
-        gravity=(0.0, -9.81), numerics=Numerics(spacing=spacing, time_step=step), output=Output(fields=ASKED),
-        end_time=0.56), MPI.COMM_SELF)
+    simulation = Simulation(water((1.0, 0.5), (1.0, 0.8), dict(spacing=spacing, time_step=step), wave=wave,
+                                  output=Output(fields=ASKED), end_time=0.56), MPI.COMM_SELF)
     while not simulation.finished():
         simulation.advance()
     p = simulation.particles

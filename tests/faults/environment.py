@@ -8,7 +8,7 @@ import sys
 
 from tests.faults import damage
 from tests.launch import clean_environment
-from tests.others import UNKNOWN, open_folder
+from tests.others import UNKNOWN, become, open_folder
 
 SECONDS = 300.0    # where no kernels are found or kept, all are compiled
 VALUES = ("", "0", "x", "-1", "1e9", " ", "\xe4", "7" * 300, "/proc/nothing", "/proc", "/dev/null", "relative", "1,2",
@@ -64,7 +64,7 @@ def _limits(random, place):
 
     def restrict():
         if known and os.geteuid() == 0:
-            _become(UNKNOWN)
+            become(UNKNOWN)
         resource.setrlimit(which, (limit, limit))
     _give_to_all(place)
     return {"TMPDIR": str(place), "HOME": str(place)} if known else {}, restrict, [name]
@@ -74,17 +74,11 @@ def _unknown(random, place):
     """A user without an entry and without HOME, and perhaps without a folder that can be written."""
     _give_to_all(place)
     settings = {"HOME": None, "TMPDIR": str(random.choice([str(place), "", "/proc"]))}
-    return settings, (lambda: _become(UNKNOWN)) if os.geteuid() == 0 else None, ["HOME", "TMPDIR"]
+    return settings, (lambda: become(UNKNOWN)) if os.geteuid() == 0 else None, ["HOME", "TMPDIR"]
 
 
 def _give_to_all(place):
     place.chmod(0o777)
-
-
-def _become(user):
-    os.setgroups([])
-    os.setgid(user)
-    os.setuid(user)
 
 
 def _run(words, place, settings, before):

@@ -11,7 +11,7 @@ import time
 
 from tests.faults.damage import copy_kernels
 from tests.launch import clean_environment
-from tests.others import NOBODY, open_folder
+from tests.others import NOBODY, become, open_folder
 
 SECONDS = 200.0
 CASE = """
@@ -138,9 +138,7 @@ DO = {
 def _restrict(limit):
     """In the new process: become nobody (no permission stops root), and perhaps write no long files."""
     if os.geteuid() == 0:
-        os.setgroups([])
-        os.setgid(NOBODY)
-        os.setuid(NOBODY)
+        become(NOBODY)
     if limit is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 

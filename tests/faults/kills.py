@@ -1,7 +1,5 @@
 """Kills at random moments, of one rank or of all, each followed by a restart that must finish the run."""
 
-import os
-import shutil
 import signal
 import time
 
@@ -9,8 +7,9 @@ import numpy as np
 
 from parisph.base.errors import ParisphError
 from parisph.io import reader
+from tests.faults.table import each_in_its_folder
 from tests.launch import mpirun, parisph
-from tests.running import last_checkpoint, lives, running
+from tests.running import last_checkpoint, running, send
 from tests.scenes import difference
 
 # Checkpoints and snapshots in almost every step: many kills come in the middle of one.
@@ -36,13 +35,7 @@ def make(count, random, folder):
         whole = time.monotonic() - begun
         if done.returncode != 0:
             raise RuntimeError(done.stderr)
-    for attempt in range(count):
-        place = folder / str(attempt)
-        place.mkdir()
-        found = _attempt(place, random, due / "run", whole)
-        if found is None:
-            shutil.rmtree(place)
-        yield found
+    yield from each_in_its_folder(count, folder, lambda place: _attempt(place, random, due / "run", whole))
 
 
 def _attempt(folder, random, due, whole):
@@ -54,28 +47,14 @@ def _attempt(folder, random, due, whole):
         time.sleep(moment)
         pids = run.ranks() if ranks > 1 else [run.process.pid]
         _kill(run, victim, pids)
-        if not _gone(run, pids):
+        if not run.gone(pids, GONE):
             return f"{what}: processes are left after {GONE:g} s"
     return _finish(folder, int(random.integers(1, 4)), due, what)
 
 
 def _kill(run, victim, pids):
     chosen = {"all": pids, "mpirun": [run.process.pid], "first": pids[:1], "last": pids[-1:]}[victim]
-    for pid in chosen:
-        try:
-            os.kill(pid, signal.SIGKILL)
-        except ProcessLookupError:    # it had ended by itself
-            pass
-
-
-def _gone(run, pids):
-    """Wait for the end of all processes; return whether they have ended. Without mpirun, ranks go on for a moment."""
-    deadline = time.monotonic() + GONE
-    while time.monotonic() < deadline:
-        if run.process.poll() is not None and not any(map(lives, pids)):
-            return True
-        time.sleep(0.01)
-    return False
+    send(chosen, signal.SIGKILL)
 
 
 def _finish(folder, ranks, due, what):

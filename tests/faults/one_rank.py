@@ -7,6 +7,7 @@ import sys
 import time
 
 from parisph.io import reader
+from tests.faults.table import each_in_its_folder
 from tests.launch import clean_environment, parisph
 from tests.scenes import PROGRAM
 
@@ -87,17 +88,11 @@ SECONDS = 300.0    # [s] for a restart
 
 def make(count, random, folder):
     """See table.Part."""
-    for attempt in range(count):
-        place = folder / str(attempt)
-        place.mkdir()
-        (place / "case.py").write_text(CASE)
-        found = _attempt(place, random)
-        if found is None:
-            shutil.rmtree(place)
-        yield found
+    yield from each_in_its_folder(count, folder, lambda place: _attempt(place, random))
 
 
 def _attempt(folder, random):
+    (folder / "case.py").write_text(CASE)
     script = bool(random.integers(2))
     places = (*IN_A_STEP, BETWEEN, BETWEEN, BETWEEN) if script else (*IN_A_STEP, *AROUND_A_STEP)
     where, fault = str(random.choice(places)), str(random.choice(list(FAULTS)))

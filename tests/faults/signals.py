@@ -1,16 +1,14 @@
 """Two signals within milliseconds, to one of two ranks or to both, at a random moment of a run."""
 
-import os
-import shutil
 import signal
 import time
-from pathlib import Path
 
 import numpy as np
 
 from parisph.io import reader
+from tests.faults.table import each_in_its_folder
 from tests.launch import mpirun, parisph
-from tests.running import handles, running
+from tests.running import handles, running, send
 
 # Checkpoints and snapshots in almost every step: many signals come in the middle of one.
 CASE = """
@@ -30,13 +28,7 @@ FEW, USUAL = 5, 5.0    # so few attempts do without measuring how long a run tak
 def make(count, random, folder):
     """See table.Part."""
     whole = USUAL if count <= FEW else _seconds(folder)
-    for attempt in range(count):
-        place = folder / str(attempt)
-        place.mkdir()
-        found = _attempt(place, random, whole)
-        if found is None:
-            shutil.rmtree(place)
-        yield found
+    yield from each_in_its_folder(count, folder, lambda place: _attempt(place, random, whole))
 
 
 def _seconds(folder):
@@ -66,9 +58,9 @@ def _attempt(folder, random, whole):
         chosen = {"first": ranks[:1], "last": ranks[-1:], "all": ranks}[whom]
         begun = all(map(handles, ranks))
         for number, pause in zip(numbers, (gap, 0.0)):
-            _send(chosen, number)
+            send(chosen, number)
             time.sleep(pause)
-        if not _end(run, ranks):
+        if not run.gone(ranks, GONE):
             return f"{what}: processes are left after {GONE:g} s"
         code, said = run.process.returncode, run.output()
     # Before Python has started, nothing of parisph can say how it ends.
@@ -77,28 +69,6 @@ def _attempt(folder, random, whole):
     if begun and code not in (0, 4):
         return f"{what}: exit code {code}: {said[-1000:]}"
     return _finish(folder, what)
-
-
-def _send(pids, number):
-    for pid in pids:
-        try:
-            os.kill(pid, number)
-        except ProcessLookupError:    # it has ended by itself
-            pass
-
-
-def _end(run, ranks):
-    """Return whether mpirun and its ranks are gone in time."""
-    deadline = time.monotonic() + GONE
-    try:
-        run.process.wait(GONE)
-    except Exception:
-        return False
-    while any(Path(f"/proc/{pid}").exists() for pid in ranks):
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.05)
-    return True
 
 
 def _finish(folder, what):

@@ -1,5 +1,6 @@
 """What a part of the campaign is, how it is carried out, and the table of all of them."""
 
+import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -36,6 +37,17 @@ class Row:
     attempts: int
     misbehaved: list
     seconds: float
+
+
+def each_in_its_folder(count, folder, attempt):
+    """Yield attempt(place) for `count` new folders; those in which parisph behaved are removed."""
+    for number in range(count):
+        place = folder / str(number)
+        place.mkdir()
+        found = attempt(place)
+        if found is None:
+            shutil.rmtree(place)
+        yield found
 
 
 def carry_out(name, part, count, seed, folder):

@@ -111,24 +111,6 @@ def test_particles_go_into_a_checkpoint_and_come_back(folder):
     np.testing.assert_array_equal(snapshot.read(folder / "a.vtkhdf")["id"], np.arange(11))
 
 
-def test_a_snapshot_from_a_pattern_is_the_same_file(folder):
-    rows = OwnedRows(spreads(WORLD.size)[1], WORLD.rank)
-    others = OwnedRows(spreads(WORLD.size)[0], WORLD.rank)    # as many, in other places
-    pattern = slabs.Pattern()
-    for name, particles, time, step in (("a", rows, 0.25, 7), ("b", others, 0.5, 8), ("c", rows, 0.75, 12)):
-        snapshot.write(WORLD, folder / f"{name}.vtkhdf", particles, time, step, ("u", "p"), {"case": CASE}, pattern)
-        sleep(1.0)    # the second is no part of a file
-        snapshot.write(WORLD, folder / "alone.vtkhdf", particles, time, step, ("u", "p"), {"case": CASE})
-        kept, alone = ((folder / f"{one}.vtkhdf").read_bytes() for one in (name, "alone"))
-        assert kept == alone
-        WORLD.barrier()
-    # other fields, or another text: another pattern
-    snapshot.write(WORLD, folder / "d.vtkhdf", rows, 1.0, 13, ("u",), {"case": CASE}, pattern)
-    snapshot.write(WORLD, folder / "e.vtkhdf", rows, 1.0, 13, ("u",), {"case": "other"}, pattern)
-    assert "pressure" not in snapshot.read(folder / "d.vtkhdf") and "p" not in snapshot.read(folder / "d.vtkhdf")
-    assert snapshot.read_attributes(folder / "e.vtkhdf")["case"] == "other"
-
-
 @pytest.mark.parametrize("way", range(3))
 def test_a_file_has_the_same_digest_on_any_number_of_ranks(folder, way, monkeypatch):
     monkeypatch.setattr(digest, "CHUNK", 1000)

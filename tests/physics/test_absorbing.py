@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Airy, Box, Case, Energy, Fluid, Numerics, Output, Relaxation, Simulation, Sponge, SurfaceGauge, Tank
+from parisph import Airy, Energy, Output, Relaxation, Simulation, Sponge, SurfaceGauge
 from parisph.truth.reflection import separated
 from parisph.watch import instruments
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_ranks, water
 
 G, DEPTH, HEIGHT = 9.81, 0.5, 0.02
 PERIOD = Airy(height=HEIGHT, period=1.2, depth=DEPTH).period
@@ -19,12 +19,10 @@ def tank(sponge, spacing=0.0625, periods=12.0, **values):
     length = WAVE.length
     width = spacing * round((2.0 + sponge) * length / spacing)
     gauges = [SurfaceGauge(f"g{k}", at=length * (1.25 + 0.13 * k)) for k in range(5)]
-    return Case(
-        title="waves", fluid=Fluid(Box(width, DEPTH), density=1000.0), walls=Tank(width, 2.0 * DEPTH),
-        gravity=(0.0, -G), end_time=periods * PERIOD, probes=gauges, output=Output(budget=True),
-        absorb=[Relaxation(0.0, length, wave=WAVE, ramp=2.0 * PERIOD),
-                Sponge(width - sponge * length, sponge * length)],
-        numerics=Numerics(preset="gentle", spacing=spacing, time_step=PERIOD / 40.0, **values))
+    zones = [Relaxation(0.0, length, wave=WAVE, ramp=2.0 * PERIOD), Sponge(width - sponge * length, sponge * length)]
+    return water((width, DEPTH), (width, 2.0 * DEPTH),
+                 dict(preset="gentle", spacing=spacing, time_step=PERIOD / 40.0, **values), gravity=(0.0, -G),
+                 end_time=periods * PERIOD, probes=gauges, output=Output(budget=True), absorb=zones)
 
 
 def waves(case):
@@ -50,9 +48,8 @@ def test_a_sponge_reflects_little(sponge, limit):
 
 
 def test_water_at_rest_stays_at_rest_in_an_uneven_zone(simulated):
-    case = Case(title="rest", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 1.0), gravity=(0.0, -G),
-                absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)],
-                numerics=Numerics(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4), end_time=1.0)
+    case = water((1.0, 0.5), (1.0, 1.0), dict(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4),
+                 gravity=(0.0, -G), absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)])
     simulation = simulated(case)
     for _ in range(100):
         simulation.advance()

@@ -13,7 +13,7 @@ from parisph.io import checkpoint
 from parisph.kernels.wall_law import wall_stress
 from parisph.watch import instruments
 from tests import moving_tanks, solid_scenes
-from tests.scenes import assert_same, on_ranks, scene
+from tests.scenes import assert_same, on_ranks, scene, water
 
 SLOW = Friction(viscosity=1e-3)    # much more than water has, so that a short run shows it
 
@@ -55,9 +55,8 @@ def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows(simulated):
 def test_a_layer_loses_the_momentum_that_the_stress_takes(simulated):
     """Water that runs along the bed of a long tank: what all its particles lose in a step, far from the ends."""
     s, speed, length = 0.05, 2.0, 4.0
-    case = Case(title="run", fluid=Fluid(Box(length, 0.5), density=1000.0, velocity=(speed, 0.0)),
-                walls=Tank(length, 1.0), gravity=(0.0, -9.81), friction=Friction(),
-                numerics=Numerics(spacing=s, time_step=1e-4), end_time=1.0)
+    case = water((length, 0.5), (length, 1.0), dict(spacing=s, time_step=0.0001), velocity=(speed, 0.0),
+                 friction=Friction())
     simulation = simulated(case)
     simulation.advance()
     p = simulation.particles
@@ -67,9 +66,8 @@ def test_a_layer_loses_the_momentum_that_the_stress_takes(simulated):
 
 
 def test_a_lid_that_slides_takes_water_along(simulated):
-    case = Case(title="lid", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 0.5, lid=Lid(velocity=2.0)),
-                gravity=(0.0, 0.0), friction=SLOW, numerics=Numerics(spacing=0.05, preset="closed", time_step=0.005),
-                end_time=1.0)
+    case = water((1.0, 0.5), (1.0, 0.5, Lid(velocity=2.0)), dict(spacing=0.05, preset="closed", time_step=0.005),
+                 gravity=(0.0, 0.0), friction=SLOW)
     simulation = simulated(case)
     for _ in range(20):
         simulation.advance()

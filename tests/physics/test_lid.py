@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, PressureTap, SurfaceGauge, Sway, Tank, Volume
+from parisph import PressureTap, SurfaceGauge, Sway, Volume
 from parisph.base.fields import FLUID
 from parisph.driver import Simulation
 from parisph.watch import instruments
+from tests.scenes import water
 
 S, DEPTH = 0.05, 0.5
 
@@ -15,11 +16,9 @@ S, DEPTH = 0.05, 0.5
 def swayed(gap, amplitude, steps, **numerics):
     """Return (probes' columns, most isolated particles) of a tank whose lid is `gap` spacings above the water."""
     top = DEPTH + gap * S
-    case = Case(title="lid", fluid=Fluid(Box(width=1.0, height=DEPTH), density=1000.0),
-                walls=Tank(width=1.0, height=top, lid=True),
-                gravity=(0.0, -9.81), frame=Sway(amplitude=amplitude, frequency=5.0), end_time=100.0,
-                numerics=Numerics(spacing=S, **numerics),
-                probes=[SurfaceGauge("left", at=0.0), Volume("volume"), PressureTap("lid", at=(0.0, top))])
+    case = water((1.0, DEPTH), (1.0, top, True), dict(spacing=S, **numerics), title="lid",
+                 frame=Sway(amplitude=amplitude, frequency=5.0), end_time=100.0,
+                 probes=[SurfaceGauge("left", at=0.0), Volume("volume"), PressureTap("lid", at=(0.0, top))])
     s = Simulation(case, MPI.COMM_SELF)
     isolated = s.solve_start()
     samplers, found = instruments.build(case, s.comm), []

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Obstacle, Roll, StillWater, Sway, Tank
+from parisph import Box, Obstacle, Roll, StillWater, Sway, Tank
 from parisph.base.fields import FLUID
 from parisph.driver import Simulation
 from parisph.io import checkpoint
 from parisph.watch import instruments
 from tests import moving_tanks
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 G, DEPTH = 9.81, 0.4
 
@@ -20,9 +20,9 @@ def sloshing(motion, preset, moving):
     alike)."""
     tank, block = Tank(1.0, 0.8), Obstacle(Box(width=0.1, height=0.1, at=(0.45, 0.65)))
     walls = (tank.model_copy(update={"motion": motion}), block.model_copy(update={"motion": motion}))
-    case = Case(title="sloshing", fluid=Fluid(StillWater(DEPTH), density=1000.0), walls=walls if moving else
-                (tank, block), gravity=(0.0, -G), numerics=Numerics(spacing=0.05, preset=preset, time_step=0.004),
-                end_time=0.5, **({} if moving else {"frame": motion}))
+    numerics = dict(spacing=0.05, preset=preset, time_step=0.004)
+    case = water(StillWater(DEPTH), walls if moving else (tank, block), numerics, gravity=(0.0, -G), end_time=0.5,
+                 **({} if moving else {"frame": motion}))
     return Simulation(case, MPI.COMM_SELF)
 
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Disc, Fluid, Force, Momentum, Numerics, Output, PressureTap, ProbeArray, Tank
+from parisph import Disc, Force, Momentum, Output, PressureTap, ProbeArray, Tank
 from parisph.base.fields import FLUID
 from parisph.case.bodies import Obstacle, StillWater
 from parisph.case.motion import Sway
 from parisph.driver import restart, run
 from parisph.io import reader
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 
 def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_force(simulated):
@@ -36,13 +36,10 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
 
 def falling(time_step=None, end=0.16, **output):
     """A block of 12 x 8 spacings that is thrown onto the floor, where it is before t = 0.15 s."""
-    block = Fluid(Box(width=1.2, height=0.8, at=(1.4, 0.5)), density=1000.0, velocity=(0.0, -3.0))
-    return Case(title="block", fluid=block,
-                walls=Tank(width=4.0, height=3.0, lid=True), gravity=(0.0, -9.81), end_time=end,
-                output=Output(**output), numerics=Numerics(spacing=0.1, time_step=time_step),
-                probes=[Momentum("momentum"), Force("floor", side="bed", acted=True), Force("sides"),
-                        ProbeArray("taps", [PressureTap("a", at=(2.0, 0.0)),
-                                            PressureTap("b", at=(2.2, 0.0), acted=True)])])
+    taps = ProbeArray("taps", [PressureTap("a", at=(2.0, 0.0)), PressureTap("b", at=(2.2, 0.0), acted=True)])
+    return water((1.2, 0.8, (1.4, 0.5)), (4.0, 3.0, True), dict(spacing=0.1, time_step=time_step), velocity=(0.0, -3.0),
+                 end_time=end, output=Output(**output),
+                 probes=[Momentum("momentum"), Force("floor", side="bed", acted=True), Force("sides"), taps])
 
 
 @pytest.mark.parametrize("time_step", [None, 0.001])
@@ -83,10 +80,8 @@ def test_without_gravity_the_force_is_in_time(tmp_path, radius, size, amplitude)
     """
     frequency, at = 3.0 * np.pi, (size[1] / 2.0, size[1] / 2.0)
     disc = Obstacle(Disc(radius=radius, at=at), name="disc", motion=Sway(amplitude=amplitude, frequency=frequency))
-    case = Case(title="sway", fluid=Fluid(StillWater(level=size[1]), density=1000.0),
-                walls=(Tank(*size, lid=True), disc), gravity=(0.0, 0.0), end_time=0.68,
-                numerics=Numerics(spacing=0.1),
-                probes=[Force("disc", on="disc"), Force("tank", on="tank"), Momentum("momentum")])
+    case = water(StillWater(level=size[1]), (Tank(*size, lid=True), disc), 0.1, gravity=(0.0, 0.0), end_time=0.68,
+                 probes=[Force("disc", on="disc"), Force("tank", on="tank"), Momentum("momentum")])
     run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     found = reader.open_run(tmp_path / "run")
     on_disc, on_tank, momentum = (found.probe(name) for name in ("disc", "tank", "momentum"))

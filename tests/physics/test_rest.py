@@ -8,7 +8,7 @@ from parisph import driver
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WET
 from parisph.case.schema import Box, Case, Disc, Fluid, Numerics, Tank
 from parisph.driver import Simulation
-from tests.scenes import scene
+from tests.scenes import scene, water
 
 G, DENSITY = 9.81, 1000.0
 STEPS = 1000
@@ -35,9 +35,8 @@ def test_open_tank(jitter, simulated):
 @pytest.mark.parametrize("lid", [False, True])
 def test_violent_preset_leaves_water_at_rest(lid, simulated):
     """Its regularisation must find no gradient of concentration at the water line, or motion grows out of rounding."""
-    case = Case(title="still", fluid=Fluid(Box(width=1.0, height=1.0), density=DENSITY),
-                walls=Tank(width=1.0, height=1.5, lid=lid),
-                gravity=(0.0, -G), numerics=Numerics(spacing=0.05, time_step=0.01 / np.sqrt(G)), end_time=10.0)
+    case = water((1.0, 1.0), (1.0, 1.5, lid), dict(spacing=0.05, time_step=0.01 / np.sqrt(G)), density=DENSITY,
+                 title="still", gravity=(0.0, -G), end_time=10.0)
     s = simulated(case)
     p = s.particles
     for _ in range(200):
@@ -70,10 +69,8 @@ def test_water_below_a_lid(gap, numerics, simulated):
     """The surface is found at any distance [s] of the lid, though wall particles stand where neighbours would be."""
     layers = 10 - int(np.ceil(gap))
     depth = 1.0 - 0.1 * gap
-    case = Case(title="still",
-                fluid=Fluid(Box(width=1.0, height=0.1 * layers), density=DENSITY, elevation=depth - 0.1 * layers),
-                walls=Tank(width=1.0, height=1.0, lid=True), gravity=(0.0, -G),
-                numerics=Numerics(spacing=0.1, **numerics), end_time=1.0)
+    case = water((1.0, 0.1 * layers), (1.0, 1.0, True), dict(spacing=0.1, **numerics), density=DENSITY,
+                 elevation=depth - 0.1 * layers, title="still", gravity=(0.0, -G))
     s = simulated(case)
     s.solve_start()
     p = s.particles
@@ -152,9 +149,8 @@ def test_water_under_a_force_with_a_divergence_rests(preset, simulated):
     """
     rate = 2.0
     bowl = f"{rate**2 / (2 * G)} * ((x-0.6)**2 - 0.12)"
-    case = Case(title="force", fluid=Fluid(Box(1.2, 0.4), DENSITY, elevation=bowl),
-                walls=Tank(1.2, 0.8), gravity=(f"{rate**2} * (x-0.6)", -G), end_time=1.0,
-                numerics=Numerics(spacing=0.1, preset=preset, jitter=0.3))
+    case = water((1.2, 0.4), (1.2, 0.8), dict(spacing=0.1, preset=preset, jitter=0.3), elevation=bowl, density=DENSITY,
+                 gravity=(f"{rate ** 2} * (x-0.6)", -G))
     simulation = simulated(case)
     simulation.solve_start()
     for _ in range(20):

@@ -10,6 +10,7 @@ from parisph.case.waves import angular_frequency
 from parisph.driver import run
 from parisph.io import reader
 from parisph.watch import instruments
+from tests.scenes import water
 
 G, D, LENGTH = 9.81, 1.0, 14.0
 RUN_UP = 0.42411823    # in depths, of a wave of .2 depths on a vertical wall: exact, by a spectral method of high order
@@ -60,9 +61,8 @@ def test_a_standing_wave_at_its_highest_gains_nothing(tmp_path):
     depth, k = 1.0, np.pi
     period = 2.0 * np.pi / float(angular_frequency(k, depth, 9.81))
     wave = StandingWave(amplitude=0.05, length=2.0, depth=depth, phase=0.5 * np.pi)
-    case = Case(title="standing", fluid=Fluid(Box(width=1.0, height=depth), density=1000.0, wave=wave),
-                walls=Tank(width=1.0, height=2.0 * depth), gravity=(0.0, -9.81),
-                numerics=Numerics(spacing=0.05, preset="gentle"), probes=[Energy("energy")], end_time=6.0 * period)
+    case = water((1.0, depth), (1.0, 2.0 * depth), dict(spacing=0.05, preset="gentle"), wave=wave,
+                 probes=[Energy("energy")], end_time=6.0 * period)
     found = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     energy = reader.open_run(tmp_path / "run").probe("energy")
     first, last = (energy["kinetic"][(energy["time"] >= i * period) & (energy["time"] < (i + 1) * period)].max()

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, CaseError, Disc, Energy, Fluid, Numerics, Polygon, StillWater, SurfaceGauge, Tank
+from parisph import Box, CaseError, Disc, Energy, Fluid, Polygon, StillWater, SurfaceGauge, Tank
 from parisph.case.motion import AtRest, Roll, Series, Tabulated
 from parisph.case.motion.rigid import rotated
 from parisph.case.waves import angular_frequency
 from parisph.driver import Simulation, restart, run
 from parisph.io import reader
-from tests.scenes import assert_same, difference, on_one_and_more
+from tests.scenes import assert_same, difference, on_one_and_more, water
 
 G = 9.81
 CELL = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")
@@ -23,16 +23,8 @@ def turning(rate, centre=(0.5, 0.5)):
 
 
 def scene(fluid, frame, walls=None, gravity=(0.0, -G), end_time=1.0, probes=(), **numerics):
-    return Case(
-        title="turning",
-        fluid=fluid,
-        walls=walls or Tank(1.0, 1.0),
-        gravity=gravity,
-        frame=frame,
-        probes=probes,
-        numerics=Numerics(**{"spacing": 0.05, "time_step": 0.005, **numerics}),
-        end_time=end_time,
-    )
+    return water(fluid, walls or (1.0, 1.0), {"spacing": 0.05, "time_step": 0.005, **numerics}, gravity=gravity,
+                 frame=frame, probes=probes, end_time=end_time)
 
 
 def after(case, steps, start=False, *names):

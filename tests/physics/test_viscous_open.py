@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, CaseError, Fluid, Lid, Numerics, Simulation, SurfaceGauge, Tank
+from parisph import Box, CaseError, Lid, Simulation, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
 from tests import viscous_flows as flows
-from tests.scenes import assert_same, on_one_and_more, scene
+from tests.scenes import assert_same, on_one_and_more, scene, water
 
 DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
@@ -19,10 +19,9 @@ def open_tank(viscosity, width=1.0, cells=10, top=1.5 * DEPTH, lid=False, no_sli
     s = DEPTH / cells
     step = min(0.01 * 10 / cells, 0.4 * s * s / viscosity)
     usual = {"spacing": s, "preset": "gentle", "time_step": step, "rtol": 1e-9, "forces": ("body", form)}
-    return Case(title="tank", walls=Tank(width=width, height=top, lid=lid, no_slip=no_slip),
-                fluid=Fluid(Box(width=width, height=DEPTH), density=1000.0, viscosity=viscosity, elevation=elevation),
-                gravity=(0.0, -G), end_time=100.0, numerics=Numerics(**usual | numerics),
-                probes=[SurfaceGauge("end", at=0.0)])
+    return water((width, DEPTH), Tank(width=width, height=top, lid=lid, no_slip=no_slip), dict(**usual | numerics),
+                 viscosity=viscosity, elevation=elevation, gravity=(0.0, -G), end_time=100.0,
+                 probes=[SurfaceGauge("end", at=0.0)])
 
 
 def fastest(case, steps):

@@ -11,6 +11,7 @@ from parisph.geometry.mesh import CONVEX
 from parisph.geometry.movers import MovedNodes
 from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.instruments import build, sample_all
+from tests.scenes import water
 from tests.watched import DENSITY, G, Watch
 
 LEVEL, GRADIENT = 0.8, np.array([20.0, -50.0])
@@ -110,9 +111,8 @@ def test_bodies_and_sides_of_the_tank_add_up_to_the_weight_of_the_water():
 def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side, x):
     """A basin with two slopes of 45 degrees, a flat bed between them, and a sill on it."""
     basin = Profile([(0.0, 0.6), (0.6, 0.0), (1.4, 0.0), (2.0, 0.6)], name="basin")
-    case = Case(title="basin", fluid=Fluid(StillWater(0.3), density=DENSITY), gravity=(0.0, -G), end_time=1.0,
-                walls=(basin, Obstacle(Box(0.2, 0.1, at=(0.9, 0.0)))), numerics=Numerics(spacing=0.025),
-                probes=[RunUp("up", on="basin", side=side)])
+    case = water(StillWater(0.3), (basin, Obstacle(Box(0.2, 0.1, at=(0.9, 0.0)))), 0.025,
+                 probes=[RunUp("up", on="basin", side=side)])
     assert Watch(case, MPI.COMM_SELF).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
     hill = Profile([(0.0, 0.0), (2.0, 0.6)], name="hill")
     with pytest.raises(CaseError, match="side = 'left': hill is lowest at this end"):

@@ -5,19 +5,18 @@ import json
 
 import pytest
 
-from parisph import Box, Case, Fluid, Numerics, Roll, SurfaceGauge, Sway, Tank
+from parisph import Roll, SurfaceGauge, Sway
 from parisph.case.differences import labels
 from parisph.case.stored import to_json
+from tests.scenes import water
 
 RUNS = itertools.count()    # no two runs have the same identity
 
 
 def stored(title="Basin", height=0.5, frame=None, probes=(), end_time=1.0, parameters=None, **numerics):
     """Return the content of case.json, with the parameters of case(...) where there are any."""
-    numerics = {"spacing": 0.1, **numerics}
-    case = Case(title=title, fluid=Fluid(Box(1.0, height), density=1000.0), walls=Tank(1.0, 2.0), end_time=end_time,
-                gravity=(0.0, -9.81), numerics=Numerics(**numerics), probes=probes,
-                **({"frame": frame} if frame else {}))
+    case = water((1.0, height), (1.0, 2.0), {"spacing": 0.1, **numerics}, title=title, end_time=end_time, probes=probes,
+                 **({"frame": frame} if frame else {}))
     found = json.loads(to_json(case)) | {"run": f"{next(RUNS)}"}
     return found | {"made": {"parameters": parameters}} if parameters else found
 

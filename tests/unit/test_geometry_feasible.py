@@ -15,6 +15,7 @@ TANK = Tank(3.0, 1.0)
 
 
 def findings(walls, fluids):
+    walls = tuple(walls)
     found = faults(walls, fluids, S, [()] * len(fluids), [f"fluid[{number}]" for number in range(len(fluids))])
     return [*found, *(warnings(walls, fluids, S) if walls and "inside another" not in "".join(found) else [])]
 

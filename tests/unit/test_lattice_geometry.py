@@ -4,23 +4,17 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Simulation, Tank
+from parisph import Box, Disc, Polygon, Simulation, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.lattice import Lattice, misfit
 from parisph.geometry import build as geometry
 from parisph.geometry.mesh import CONCAVE
+from tests.scenes import water
 
 
 def scene(shape=None, walls=Tank(2.0, 2.0), elevation=None, velocity=(0.0, 0.0), spacing=0.1, **numerics):
-    return Case(
-        title="test",
-        fluid=Fluid(shape or Box(0.5, 1.0), density=1000.0, elevation=elevation, velocity=velocity),
-        walls=walls,
-        gravity=(0.0, -9.81),
-        numerics=Numerics(spacing=spacing, **numerics),
-        end_time=1.0,
-    )
+    return water(shape or (0.5, 1.0), walls, dict(spacing=spacing, **numerics), elevation=elevation, velocity=velocity)
 
 
 SCENES = {

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from parisph import Box, Case, CaseError, Fluid, Lid, Numerics, Tank
+from parisph import Case, CaseError, Lid, Tank
 from parisph.base.fields import WALL
 from parisph.geometry import build as geometry
+from tests.scenes import water
 
 S = 0.1
 
 
 def cavity(**walls):
     """Return the Case of a full tank of 1 m x 1 m."""
-    return Case(title="cavity", fluid=Fluid(Box(width=1.0, height=1.0), density=1.0, viscosity=0.01),
-                walls=Tank(width=1.0, height=1.0, **walls), gravity=(0.0, 0.0), end_time=1.0,
-                numerics=Numerics(preset="closed", spacing=S))
+    return water((1.0, 1.0), Tank(width=1.0, height=1.0, **walls), dict(preset="closed", spacing=S), density=1.0,
+                 viscosity=0.01, gravity=(0.0, 0.0))
 
 
 def walls(**options):

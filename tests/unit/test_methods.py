@@ -8,7 +8,7 @@ from parisph import Sway
 from parisph.base import vocabulary
 from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
-from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.case.schema import Box, Fluid, Numerics
 from parisph.driver.simulation import Simulation
 from parisph.methods import regularising
 from parisph.methods.catalogue import Parts
@@ -25,6 +25,7 @@ from parisph.methods.parts import (
 )
 from parisph.methods.stepping import STEPPINGS
 from parisph.methods.surfaces import classify
+from tests.scenes import water
 
 
 def test_every_method_that_a_case_may_ask_for_is_known():
@@ -43,9 +44,7 @@ def test_the_words_of_cases_are_those_of_the_parts():
 
 def dam(**numerics):
     s = 0.05
-    return Case(title="column", fluid=Fluid(Box(width=0.5, height=0.5), density=1000.0),
-                walls=Tank(width=1.5, height=1.0, lid=True), gravity=(0.0, -9.81), end_time=1.0,
-                numerics=Numerics(spacing=s, **{"time_step": 0.004, **numerics}))
+    return water((0.5, 0.5), (1.5, 1.0, True), dict(spacing=s, **{"time_step": 0.004, **numerics}))
 
 
 VARIANTS = [

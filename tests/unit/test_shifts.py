@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
+from parisph import Simulation
 from parisph.base.fields import FLUID
 from parisph.methods import regularising
 from parisph.methods.parts import REGULARISERS
+from tests.scenes import water
 
 S = 0.05
 SHIFTS = ["shift", "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"]
@@ -16,9 +17,7 @@ all_shifts = pytest.mark.parametrize("name", SHIFTS)
 
 def box(width, tank, lid=True, velocity=(0.0, 0.0), **numerics):
     """Return the Simulation of a box of water 0.5 m high in a tank (width, height) [m]."""
-    case = Case(title="box", fluid=Fluid(Box(width=width, height=0.5), density=1000.0, velocity=velocity),
-                walls=Tank(width=tank[0], height=tank[1], lid=lid), gravity=(0.0, -9.81), end_time=1.0,
-                numerics=Numerics(spacing=S, time_step=0.004, **numerics))
+    case = water((width, 0.5), (tank[0], tank[1], lid), dict(spacing=S, time_step=0.004, **numerics), velocity=velocity)
     return Simulation(case, MPI.COMM_SELF)
 
 

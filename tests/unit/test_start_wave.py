@@ -3,26 +3,19 @@
 import numpy as np
 import pytest
 
-from parisph import Airy, Box, Case, CaseError, Disc, Fluid, Numerics, SolitaryWave, StandingWave, Tank
+from parisph import Airy, Box, Case, CaseError, Disc, Fluid, SolitaryWave, StandingWave, Tank
 from parisph.base.fields import SURFACE, WET
 from parisph.case.scales import expected
 from parisph.case.time_scales import stable_time_step
 from parisph.case.waves import standing_wave_start
 from parisph.geometry import build as geometry
+from tests.scenes import water
 
 WAVE = SolitaryWave(height=0.06, depth=0.3, at=2.0)
 
 
 def scene(wave=WAVE, shape=None, spacing=0.03, **changes):
-    fluid = Fluid(shape or Box(6.0, 0.3), 1000.0, wave=wave, **changes)
-    return Case(
-        title="t",
-        fluid=fluid,
-        walls=Tank(6.0, 0.6),
-        gravity=(0.0, -9.81),
-        numerics=Numerics(spacing=spacing),
-        end_time=1.0,
-    )
+    return water(shape or (6.0, 0.3), (6.0, 0.6), spacing, wave=wave, **changes)
 
 
 def test_particles_start_on_the_wave_with_its_velocity():

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from parisph.base import environment
 from parisph.base.errors import StoreError
 from parisph.io.lock import Lock
 from parisph.study import Study, processes, runs
@@ -110,8 +111,8 @@ def test_one_study_at_a_time_in_a_folder(tmp_path):
         pass
 
 
-def test_surroundings_of_a_run():
-    found = processes.surroundings()
-    assert found["OMP_NUM_THREADS"] == "1" and not [name for name in found if name.startswith("OMPI_COMM_")]
+def test_a_run_starts_outside_of_mpirun():
+    found = environment.for_own()
+    assert found["PYTHONPATH"] and not [name for name in found if name.startswith("OMPI_COMM_")]
     assert processes.command(["run", "a.json"], 1)[1:] == ["-m", "parisph", "run", "a.json"]
     assert processes.command(["run"], 2)[1:3] == ["-n", "2"]

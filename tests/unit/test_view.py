@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Disc, Energy, Fluid, Numerics, Obstacle, PressureTap, SurfaceGauge, Tank, Volume
+from parisph import Box, Case, Disc, Energy, Fluid, Numerics, Obstacle, PressureTap, SurfaceGauge, Tank, Truth, Volume
 from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.fields import BALLISTIC, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.io.reader import open_run
@@ -246,8 +246,9 @@ def test_a_normalised_probe_has_the_scenes_own_units(run):
 
 def test_truths_named_in_the_case_are_read(run, tmp_path):
     (tmp_path / "truth.csv").write_text("t,eta\n0,0\n1,0.1\n")
-    run.case["probes"][1]["truth"] = {"file": "truth.csv", "time": "t", "value": "eta", "offset": 0.5, "scale": 2.0}
-    (time, value), = curves.truths(run, tmp_path).values()
+    truth = Truth(str(tmp_path / "truth.csv"), time="t", value="eta", offset=0.5, scale=2.0)
+    run.scene = run.scene.model_copy(update={"probes": (SurfaceGauge("left", at=0.3, truth=truth),)})
+    (time, value), = curves.truths(run).values()
     np.testing.assert_allclose(time, [0.0, 1.0])
     np.testing.assert_allclose(value, [0.5, 0.7])
 

@@ -18,8 +18,9 @@ from parisph.case.motion import AtRest, Motion, Rotation
 from parisph.case.probes import WIDTH, Measure, Point, Probe
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
+from parisph.geometry.columns import cross, meet
 from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import WallMesh
+from parisph.geometry.mesh import WallMesh, places_along, reaches
 from parisph.geometry.probe_places import Places, on_side
 from parisph.watch.gauges import COLUMN_GAP, bodies, bodies_of_all, body_rows
 from parisph.watch.probes.surface_gauge import surface, surface_rows
@@ -184,7 +185,7 @@ class LineRunUp(Measure):
         self.points, self._start, self._motion = points, points, motion
         s = scene.spacing
         self.gap = COLUMN_GAP * s if probe.film is None else max(COLUMN_GAP * s, s * s / probe.film)
-        self.ends = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        self.ends = reaches(points)
 
     def rows(self, view: View) -> Floats:
         s, self.points = self.scene.spacing, self._motion.placed(self._start, view.time)
@@ -201,7 +202,7 @@ class LineRunUp(Measure):
         if not len(found) or found[0, 0] > COLUMN_GAP * self.scene.spacing:
             return self.points[0, ::-1]
         end = found[0, 1]
-        tip = np.array([np.interp(end, self.ends, self.points[:, axis]) for axis in (0, 1)])
+        tip: Floats = places_along(self.points, self.ends, np.array([end]))[0]
         continued = self._continued(rows[rows[:, 0] == HEIGHT, 1:3], end)
         if continued is None or (self.probe.film is not None and self._onto(continued[None])[0][0] < end):
             return tip[::-1]    # spray ahead of the surface is part of a film
@@ -224,11 +225,7 @@ class LineRunUp(Measure):
 
     def _met(self, x: Floats, direction: Floats) -> Floats | None:
         """Return where the ray from x first meets the line, None if it does not within AHEAD in height."""
-        a, b = self.points[:-1] - x, np.diff(self.points, axis=0)
-        cross = direction[0] * b[:, 1] - direction[1] * b[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ahead = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / cross
-            within = (a[:, 0] * direction[1] - a[:, 1] * direction[0]) / cross
+        ahead, within = meet(x, direction, self.points[:-1], np.diff(self.points, axis=0))
         met = ahead[(ahead >= 0.0) & (within >= 0.0) & (within <= 1.0)]
         if not len(met) or abs(met.min() * direction[1]) > AHEAD * self.scene.spacing:
             return None
@@ -256,7 +253,7 @@ class LineRunUp(Measure):
 def _corners(points: Floats) -> Floats:
     """Return the points (n, 2) of a line without those on the straight line between their neighbours."""
     a, b = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
-    turns = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > STRAIGHT * np.hypot(*a.T) * np.hypot(*b.T)
+    turns = np.abs(cross(a, b)) > STRAIGHT * np.hypot(*a.T) * np.hypot(*b.T)
     found: Floats = points[np.concatenate([[True], turns, [True]])]
     return found
 

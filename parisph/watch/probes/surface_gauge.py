@@ -78,7 +78,8 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
     """
     points = [(a, b) for a, b in zip(x.tolist(), y.tolist())]
     points += [(2.0 * wall - a, b) for wall in walls for a, b in points]
-    points = [point for point in points if _reachable(*point, at, top, spacing)]
+    # what a surface of at most SLOPE can reach from the top near the gauge; spray is higher
+    points = [(a, b) for a, b in points if b - top <= SLOPE * max(abs(a - at) - COLUMN * spacing, 0.0)]
     points.sort(key=lambda point: (abs(point[0] - at), -point[1]))
     left: list[Place] = []
     right: list[Place] = []
@@ -91,11 +92,6 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
     nodes = [left[0], right[0],
              *(side[1] for side in (left, right) if len(side) == 2 and _smooth(side[0], side[1], spacing))]
     return _through(nodes, at)
-
-
-def _reachable(x: float, y: float, at: float, top: float, spacing: float) -> bool:
-    """Return whether a surface of at most SLOPE can rise from the top near the gauge to (x, y); spray is higher."""
-    return y - top <= SLOPE * max(abs(x - at) - COLUMN * spacing, 0.0)
 
 
 def _covered(x: float, y: float, points: Sequence[Place], spacing: float) -> bool:
