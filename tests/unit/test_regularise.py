@@ -1,5 +1,7 @@
 """Regularisation is in proportion to the strain of a step, and leaves what is not strained alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -59,6 +61,7 @@ def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
     assert np.linalg.norm(twice[inside]) == pytest.approx(2.0 * np.linalg.norm(small[inside]), rel=0.01)
     large = moved(s, 1e6 * strained)
     assert large.max() < 0.3
+    assert p.turn.max() == pytest.approx(0.15 * s.method.flow.step.whole * s.numerics.spacing)    # thrice the usual
 
 
 def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
@@ -75,6 +78,13 @@ def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
     method.flow.step.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
     p.u[:] = 1e-7 * u
     np.testing.assert_allclose(strain_of_step(method, 0.01), 1e-11 * once[1e4], rtol=1e-2)
+
+
+def test_an_impact_is_remembered_for_twenty_times_sqrt_of_spacing_over_acceleration():
+    flow = SimpleNamespace(spacing=0.1, mean_acceleration=0.0)
+    for acceleration, time, mean in ((40.0, 1.0, 40.0), (10.0, 1.0, 38.0), (0.0, 1.0, 38.0), (10.0, 15.0, 10.0)):
+        straining.remember(flow, acceleration, time * 0.1)
+        assert flow.mean_acceleration == pytest.approx(mean)
 
 
 def test_velocities_do_not_pay_for_moves(falling):
