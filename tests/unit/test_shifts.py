@@ -6,7 +6,8 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
 from parisph.base.fields import FLUID
-from parisph.methods import regularising
+from parisph.kernels import shifts, wetness
+from parisph.methods import lengths, regularising
 from parisph.methods.parts import REGULARISERS
 
 S = 0.05
@@ -52,6 +53,18 @@ def test_a_shift_is_the_same_before_and_after_the_position_projection(name):
         s.destroy()
     assert np.abs(moves[0]).max() > 1e-6
     np.testing.assert_allclose(moves[0], moves[1], atol=1e-6 * np.abs(moves[0]).max())
+
+
+def test_the_shift_by_pressure_is_the_move_from_rest_by_its_excess():
+    """dt^2/(2 rho) times the excess of the gradient, which the kernel sums."""
+    s = box(1.0, (1.0, 0.5), jitter=0.4)
+    s.solve_start()
+    flow, excess, dt = s.method.flow, np.empty_like(s.particles.x), 1e-3
+    walls = flow.walls.present(flow, wetness.FREE)
+    shifts.pressure_shift(excess, flow.cloud, walls, s.particles.p_all, 1.0, lengths.MLS * S, np.inf)
+    np.testing.assert_allclose(REGULARISERS["shift_pressure"].change(flow, dt), 0.5 * dt**2 * excess / 1000.0)
+    assert np.abs(excess).max() > 1e3
+    s.destroy()
 
 
 def nearest(p):
