@@ -87,6 +87,13 @@ def test_an_impact_is_remembered_for_twenty_times_sqrt_of_spacing_over_accelerat
         assert flow.mean_acceleration == pytest.approx(mean)
 
 
+@pytest.mark.parametrize(("acceleration", "closed", "part"), [(10.0, False, 0.5), (1e3, False, 1.0), (0.0, False, 1.0),
+                                                              (10.0, True, 1.0)])
+def test_steps_below_a_fiftieth_of_sqrt_of_spacing_over_acceleration_regularise_less(acceleration, closed, part):
+    flow = SimpleNamespace(spacing=0.1, mean_acceleration=acceleration, closed=closed)
+    assert straining.whole(flow, 0.001) == pytest.approx(part)
+
+
 def test_velocities_do_not_pay_for_moves(falling):
     u = falling.particles.u.copy()
     strain_of_step(falling.method, 0.01)
