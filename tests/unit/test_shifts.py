@@ -67,6 +67,19 @@ def test_the_shift_by_pressure_is_the_move_from_rest_by_its_excess():
     s.destroy()
 
 
+def test_the_shift_by_speed_is_in_proportion_to_it_and_to_the_step():
+    s = box(1.0, (1.0, 0.5), jitter=0.4)
+    flow, fluid, part, moves = s.method.flow, s.particles.kind == FLUID, REGULARISERS["shift_xu"], []
+    flow.step.strained = np.full(s.particles.n_owned, 1e-3)
+    for speed, dt in ((1.0, 1e-4), (1.0, 2e-4), (4.0, 1e-4)):
+        s.particles.u[fluid] = (speed, 0.0)
+        regularising.prepare(flow, [part], dt)
+        moves.append(part.change(flow, dt))
+    np.testing.assert_allclose(moves[1:], np.multiply.outer([2.0, 4.0], moves[0]))
+    assert moves[0].any()
+    s.destroy()
+
+
 def nearest(p):
     """Return the least distance of two particles of fluid, in spacings."""
     x = p.x[p.kind == FLUID]
