@@ -42,10 +42,11 @@ def test_an_impact_has_shorter_steps(simulated):
     """By the acceleration of the fluid as a whole, not by that of its fastest particle alone, nor below LEAST_MOVE."""
     s = simulated(column())
 
-    def step(mean):
-        return timestep.next_step(s.method.flow, G, accelerations=(1000.0 * G, mean))
+    def step(mean, largest=1000.0 * G):
+        return timestep.next_step(s.method.flow, G, accelerations=(largest, mean))
     calm = 0.05 * sqrt(SPACING / G)
     assert step(0.5 * G) == pytest.approx(calm)
+    assert step(0.0, 0.24 * G) == pytest.approx(calm / 0.6)    # 1.5 times the largest counts, up to the force
     assert step(12.8 * G) == pytest.approx(calm / 4.0)
     s.particles.u[s.particles.kind == FLUID] = (-2.0, 0.0)
     assert step(1e4 * G) == pytest.approx(timestep.LEAST_MOVE * SPACING / 2.0)

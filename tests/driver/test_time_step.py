@@ -11,7 +11,7 @@ from parisph.base.errors import SolverDiverged
 from parisph.driver import Simulation, describe
 from parisph.driver.schedule import SHARING
 from parisph.io import checkpoint
-from parisph.methods.timestep import STRAIN
+from parisph.methods.timestep import STRAIN, first_step
 from tests.scenes import water
 
 PERIOD = 1.0    # [s]
@@ -95,8 +95,14 @@ def test_force_that_is_almost_nothing_at_the_start(force):
     assert 0.05 < first < 0.5
 
 
-def test_speed_alone_sets_the_step():
-    assert steps_of(still(velocity=(2.0, 0.0)), 1) == pytest.approx([CFL * 0.1 / 2.0])
+def test_speed_alone_sets_the_step(simulated):
+    """Of fluid with an acceleration a, the first step has |u| dt + 10 |a| dt^2 = cfl s."""
+    case = still(velocity=(2.0, 0.0))
+    assert steps_of(case, 1) == pytest.approx([CFL * 0.1 / 2.0])
+    s = simulated(case)
+    first = first_step(s.comm, s.particles, s.numerics, np.tile([0.0, -10.0], (s.particles.n_owned, 1)), np.inf,
+                       lambda t: 0.0)
+    assert first == pytest.approx(0.02)    # .04 + .04 = .08 m
 
 
 def test_restart_at_the_start_has_the_same_first_step(tmp_path, simulated):

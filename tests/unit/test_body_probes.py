@@ -1,5 +1,7 @@
 """Force, moment and run-up on bodies of any shape: Archimedes, at corners too."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -44,6 +46,13 @@ def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
     weight = DENSITY * G * area
     still = np.subtract((fx, fy, moment), dynamic)
     np.testing.assert_allclose(still, (0.0, weight, arm[0] * weight), atol=1e-9 * weight)
+
+
+def test_a_pressure_that_is_missing_is_extrapolated_along_elements_of_any_length():
+    """p = 10 + 10 x on 0 < x < 3, whose value at 3 is not known: the integrals of p and p x are 75 and 135."""
+    line = PressureLoad(SimpleNamespace(ends=np.zeros(3, bool)), np.array([[0, 1], [1, 2]]))
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]])
+    assert line.of(x, np.array([10.0, 20.0, np.nan]), np.zeros(2)) == pytest.approx((0.0, -75.0, -135.0))
 
 
 def test_the_dynamic_force_of_water_at_rest_is_zero():

@@ -1,5 +1,8 @@
 """Friction on walls in a case: what is refused, and where it is found again."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from parisph import Box, Case, CaseError, Fluid, Friction, Numerics, Obstacle, Tank
@@ -54,3 +57,11 @@ def test_a_force_of_unknown_physics_is_refused():
     with pytest.raises(ValueError, match='viscous = True has no effect; write only = "viscous"'):
         type("Old", (parts.ForceTerm,), {"name": "old", "viscous": True})
     assert {part.only for part in parts.FORCES.values()} == {"", *vocabulary.PHYSICS}
+
+
+def test_the_work_of_friction_alone_is_what_kinetic_energy_changes_by():
+    (u, pull), volume, dt = np.random.default_rng(0).normal(size=(2, 5, 2)), np.linspace(0.5, 1.0, 5), 0.1
+    particles = SimpleNamespace(friction=pull, u=u + dt * pull, volume=volume)
+    flow = SimpleNamespace(particles=particles, step=SimpleNamespace(dt=dt), density=1000.0)
+    gain = 500.0 * volume @ ((particles.u**2).sum(axis=1) - (u**2).sum(axis=1))
+    assert parts.FORCES["friction"].work(flow, u) == pytest.approx(gain)

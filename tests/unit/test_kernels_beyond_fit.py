@@ -43,6 +43,16 @@ def test_roughness_is_reduced_and_walls_are_left_alone(dim):
     np.testing.assert_allclose(smoothed(pool, u, 0.06), 2.0 * change, rtol=1e-12, atol=1e-15)
 
 
+@dims
+def test_a_particle_counts_once_in_its_own_mean(dim):
+    pool = block(dim, 7)
+    i = pool.at(*(3,) * dim)
+    u = np.where((np.arange(pool.n) == i)[:, None], np.ones(dim), 0.0)
+    q = np.minimum(np.linalg.norm(pool.x - pool.x[i], axis=1) / (2.1 * pool.spacing), 1.0)
+    share = 1.0 / (1.0 - 6.0 * q**2 + 8.0 * q**3 - 3.0 * q**4).sum()
+    np.testing.assert_allclose(smoothed(pool, u, 1.0)[i], share - 1.0)
+
+
 def test_alternating_velocity_decays_and_a_long_wave_hardly():
     pool = block(2, 24)
     inside = pool.far_inside(4)

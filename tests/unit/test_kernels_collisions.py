@@ -82,6 +82,14 @@ def test_pairs_that_are_left_alone(dim, apart, speed):
 
 
 @dims
+def test_impulses_are_halved_where_a_particle_is_hit_from_both_sides(dim):
+    line = np.outer([-1.0, 0.0, 1.0], np.eye(dim)[0])
+    change, pairs = collided(free(0.8 * line), -line, restitution=0.2)
+    assert pairs == 4
+    np.testing.assert_allclose(change, 0.3 * line, atol=1e-14)
+
+
+@dims
 def test_momentum_of_a_crowd_is_conserved_and_energy_lost(dim):
     pool = block(dim, 8 if dim == 2 else 5, jitter=1.2)
     u = np.random.default_rng(1).normal(size=pool.x.shape)

@@ -72,6 +72,17 @@ def test_two_layers_are_no_film(dim):
     assert np.all(settled(pool, np.ones(pool.x.shape))[inside] == 0.0)
 
 
+def test_uneven_fluid_is_settled_as_far_as_it_is_a_layer():
+    """Every second particle is lifted by .08 s; half of the change is left where det/(trace/2)^2 is half the floor."""
+    pool, inside = film(2)
+    pool.x[pool.fluid & (pool.index[:, 0] % 2 == 1), 1] += 0.08 * pool.spacing
+    near, next_ = (1.0 - q * q * (6.0 - 8.0 * q + 3.0 * q * q) for q in np.array([np.hypot(1.0, 0.08), 2.0]) / 2.1)
+    ratio = near * 0.08**2 / (near + 4.0 * next_)    # of the moments across and along the wall
+    left = 1.0 - 4.0 * ratio / (1.0 + ratio) ** 2 / 0.05
+    np.testing.assert_allclose(settled(pool, np.full(pool.x.shape, [0.0, 0.1]))[inside, 1], -0.1 * left)
+    assert 0.4 < left < 0.6
+
+
 def test_drops_and_fluid_without_walls_are_no_film():
     pool, _ = film(2)
     pool.role[pool.fluid] = BALLISTIC

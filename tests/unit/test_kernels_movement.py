@@ -22,6 +22,15 @@ def test_only_fluid_changes(dim):
     assert np.array_equal(given, np.where(fluid, change, values))
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_linear_velocity_is_carried_along_a_move(dim):
+    x, move = np.random.default_rng(3).normal(size=(2, 5, dim))
+    gradient = np.arange(1.0, dim * dim + 1.0).reshape(dim, dim)
+    u = x @ gradient.T
+    movement.carry(u, np.tile(gradient, (5, 1, 1)), move)
+    np.testing.assert_allclose(u, (x + move) @ gradient.T, rtol=1e-12)
+
+
 def test_ghosts_keep_their_values():
     values = np.zeros((len(KIND), 2))
     movement.give_to_fluid(values, np.ones((3, 2)), KIND)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE
-from parisph.kernels import shifting
+from parisph.kernels import packing, shifting
 from tests.pools import block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -161,6 +161,25 @@ def test_normal_is_the_weighted_mean_of_the_surface_particles():
     out = shifted(pool, gradient, cap=1e9)[i]
     normal = np.array([2.0, 1.0 / 1.5**2])
     assert out @ normal == pytest.approx(0.0, abs=1e-15) and np.linalg.norm(out) > 0.0
+
+
+@dims
+def test_packing_is_level_below_a_level_surface_and_leaves_an_uneven_one(dim):
+    pool = tank((9, 9) if dim == 2 else (6, 6, 8))
+    inner, below = pool.role == INNER, pool.top[-1] - pool.index[:, -1]
+
+    def levelled():
+        move = np.ones((pool.n, dim))
+        packing.level_off(move, pool.cloud, 2.1 * pool.spacing, 0.5 * pool.spacing)
+        return move
+
+    move = levelled()
+    np.testing.assert_array_equal(move[inner, -1], below[inner] > 2)
+    assert np.all(move[inner, :-1] == 1.0)
+    raised = pool.at(*(4,) * (dim - 1), pool.top[-1])
+    pool.x[raised, -1] += 0.6 * pool.spacing
+    still = inner & (below == 1) & (np.linalg.norm(pool.x - pool.x[raised], axis=1) < 2.1 * pool.spacing)
+    np.testing.assert_array_equal(levelled()[inner & (below == 1), 0], ~still[inner & (below == 1)])
 
 
 @dims

@@ -144,6 +144,16 @@ def test_water_at_rest_stays_at_rest(dim, h):
     assert np.abs((out + force)[pool.fluid]).max() < 0.25 * G, "at the surface, where half of the support is missing"
 
 
+@dims
+def test_a_lid_does_not_pull_at_fluid_without_pressure(dim):
+    """Still fluid at a reflection in the lid would have a negative pressure, in the bed a positive one."""
+    pool = tank((6,) * (dim - 1) + (9,), lid=True)
+    force = np.tile(-G * np.eye(dim)[-1], (pool.n, 1))
+    out = accelerated(pool, state(pool, np.zeros_like(pool.x), 1.3 * pool.spacing, force=force))
+    layer = pool.index[:, -1]
+    assert np.all(out[pool.fluid & (layer > 4)] == 0.0) and np.all(out[pool.fluid & (layer == 1), -1] > 0.0)
+
+
 def test_steps_of_the_longest_length_keep_water_still():
     pool, level, force = basin(2, 8, 8, 1.8)
     wet, h = pool.fluid, 1.8 * pool.spacing

@@ -1,5 +1,7 @@
 """Methods: their names, and every choice of the step at work in a short fall of water."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -10,7 +12,7 @@ from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Fluid, Numerics
 from parisph.driver.simulation import Simulation
-from parisph.methods import regularising
+from parisph.methods import regularising, sources
 from parisph.methods.catalogue import Parts
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -89,6 +91,26 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
         pressures.append(b[p.role == INNER])
         simulation.destroy()
     np.testing.assert_allclose(pressures[1], 0.25 * pressures[0], rtol=1e-12)
+
+
+def test_errors_of_opposite_signs_compensate_and_others_add_up(monkeypatch):
+    """|e| d - |d| e beside div u* (Khayyer and Gotoh 2011): a density error that the divergence reduces is left alone.
+    """
+    e, before = np.array([0.1, -0.1, 0.1, -0.1]), np.array([0.5, 0.5, -0.5, -0.5])
+    monkeypatch.setattr(sources, "compression", lambda flow, alpha: alpha - 1.0)
+    flow = SimpleNamespace(density=1000.0, particles=SimpleNamespace(alpha=1.0 + e, n_owned=4, u_all=None),
+                           rows=SimpleNamespace(div=np.full(4, 0.3), divergence=lambda out, u: np.copyto(out, before)))
+    target = SOURCES["compensating"].target(flow, 0.01)
+    np.testing.assert_allclose(target * 0.01 / 1000.0, [0.3, 0.4, 0.2, 0.3])
+
+
+def test_weakly_compressible_fluid_follows_a_force_that_grows_evenly(simulated):
+    """In free flight, velocity Verlet is exact: it takes the force at both ends of the step."""
+    s = simulated(Case(title="flight", fluid=Fluid(Box(0.5, 0.5), density=1000.0), gravity=("0", "-40*t"), end_time=1.0,
+                       numerics=Numerics(spacing=0.1, method="SPH", sound_speed=20.0)))
+    for _ in range(5):
+        s.advance()
+    np.testing.assert_allclose(s.particles.u, np.tile([0.0, -20.0 * s.time**2], (s.particles.n_owned, 1)), rtol=1e-9)
 
 
 def assembled(simulation, force, dt):

@@ -1,5 +1,7 @@
 """Regularisation is in proportion to the strain of a step, and leaves what is not strained alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -8,7 +10,7 @@ from parisph import Simulation
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.presets import WITHOUT_FILMS
 from parisph.kernels import shifting, strain
-from parisph.methods import potential, regularising, straining
+from parisph.methods import potential, regularising, straining, velocities
 from tests.scenes import scene
 
 
@@ -59,6 +61,7 @@ def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
     assert np.linalg.norm(twice[inside]) == pytest.approx(2.0 * np.linalg.norm(small[inside]), rel=0.01)
     large = moved(s, 1e6 * strained)
     assert large.max() < 0.3
+    assert p.turn.max() == pytest.approx(0.15 * s.method.flow.step.whole * s.numerics.spacing)    # 3 x .05 s
 
 
 def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
@@ -75,6 +78,20 @@ def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
     method.flow.step.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
     p.u[:] = 1e-7 * u
     np.testing.assert_allclose(strain_of_step(method, 0.01), 1e-11 * once[1e4], rtol=1e-2)
+
+
+def test_an_impact_is_remembered_for_twenty_times_sqrt_of_spacing_over_acceleration():
+    flow = SimpleNamespace(spacing=0.1, mean_acceleration=0.0)
+    for acceleration, time, mean in ((40.0, 1.0, 40.0), (10.0, 1.0, 38.0), (0.0, 1.0, 38.0), (10.0, 15.0, 10.0)):
+        straining.remember(flow, acceleration, time * 0.1)
+        assert flow.mean_acceleration == pytest.approx(mean)
+
+
+@pytest.mark.parametrize(("acceleration", "closed", "part"), [(10.0, False, 0.5), (1e3, False, 1.0), (0.0, False, 1.0),
+                                                              (10.0, True, 1.0)])
+def test_steps_below_a_fiftieth_of_sqrt_of_spacing_over_acceleration_regularise_less(acceleration, closed, part):
+    flow = SimpleNamespace(spacing=0.1, mean_acceleration=acceleration, closed=closed)
+    assert straining.whole(flow, 0.001) == pytest.approx(part)
 
 
 def test_velocities_do_not_pay_for_moves(falling):
@@ -125,6 +142,25 @@ def judged(rate, by_pressure, spacing, dt):
     out = np.full((3, len(rate)), np.nan)
     strain.judge(out, rate, by_pressure, spacing, dt, straining.REST, straining.RAPID, straining.DOUBT)
     return out
+
+
+def test_rotation_is_removed_at_the_rate_of_the_filter_and_less_in_rapid_flow():
+    """filter dt sqrt(a/s) is .1 for the first two, and more than 1 for the last."""
+    beyond = np.array([[1.0, -2.0], [1.0, -2.0], [3.0, 0.0]])
+    step = SimpleNamespace(potential=SimpleNamespace(beyond=beyond), by_pressure=np.array([10.0, 10.0, 1e5]),
+                           rapid=np.array([0.0, 0.6, 0.5]))
+    flow = SimpleNamespace(step=step, spacing=0.1, numerics=SimpleNamespace(filter=0.5, filter_strain=0.0))
+    np.testing.assert_allclose(potential.Irrotational().change(flow, 0.02), -np.array([[0.1], [0.04], [0.5]]) * beyond)
+
+
+def test_fluid_moves_with_no_velocity_that_takes_it_into_a_wall(falling):
+    s, p = falling, falling.particles
+    s.domain.update("x")
+    kept = velocities.keep_in_tank(s.method.flow, np.full_like(p.u, -5.0), 0.01)
+    fluid = p.kind == FLUID
+    room = s.numerics.wall_guard * s.numerics.spacing
+    assert (p.x + 0.01 * kept)[fluid].min() > (1.0 - 1e-9) * min(room, p.x[fluid].min())
+    assert np.all(kept[fluid] <= 1e-12) and kept[fluid].min() == -5.0
 
 
 def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it():

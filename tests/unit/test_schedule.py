@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from parisph.driver.schedule import SHARING, Times, step_towards
+from parisph.driver.schedule import Times, step_towards
 
 
 def walk(limit, due, end, time=0.0):
@@ -27,8 +27,8 @@ def test_what_is_due_is_met_exactly_and_without_a_crumb(trial):
         assert k * every in times
     assert steps.max() <= 1.001 * limit and steps.min() > 0.5 * limit
     np.testing.assert_allclose(np.cumsum(steps), times, rtol=1e-12)
-    # no more than the last few before each are shorter
-    assert np.count_nonzero(steps < limit) <= SHARING * len(times[np.isin(times, every * np.arange(1, 200))]) + SHARING
+    # no more than the last ten before each are shorter
+    assert np.count_nonzero(steps < limit) <= 10 * (1 + np.count_nonzero(np.isin(times, every * np.arange(1, 200))))
 
 
 @pytest.mark.parametrize("trial", range(20))
@@ -36,7 +36,7 @@ def test_no_step_shortens_by_more_than_a_tenth_where_enough_are_left(trial):
     random = np.random.default_rng(trial)
     limit = random.uniform(1e-3, 2e-3)
     steps, _ = walk(limit, Times(random.uniform(20.0, 30.0) * limit), 1.0)
-    assert np.all(steps[1:] > (1.0 - 1.01 / SHARING) * steps[:-1])
+    assert np.all(steps[1:] > 0.899 * steps[:-1])
 
 
 def test_a_run_that_goes_on_takes_the_same_steps():
@@ -53,6 +53,11 @@ def test_a_fixed_step_that_divides_is_not_touched(limit, number):
     steps, times = walk(limit, Times(number * limit), 400 * number * limit)
     assert np.all(steps == limit) and len(steps) == 400 * number
     np.testing.assert_array_equal(times[number - 1::number], np.arange(1, 401) * (number * limit))    # no error adds up
+
+
+@pytest.mark.parametrize(("left", "step"), [(10.4, 1.0), (9.5, 0.95), (0.7, 0.7)])
+def test_the_last_ten_steps_share_what_is_left(left, step):
+    assert step_towards(left, 0.0, 1.0) == (step, step)
 
 
 def test_nothing_due_leaves_the_step_alone():

@@ -6,7 +6,8 @@ from mpi4py import MPI
 
 from parisph import Simulation
 from parisph.base.fields import FLUID
-from parisph.methods import regularising
+from parisph.kernels import shifts, wetness
+from parisph.methods import lengths, regularising
 from parisph.methods.parts import REGULARISERS
 from tests.scenes import water
 
@@ -51,6 +52,31 @@ def test_a_shift_is_the_same_before_and_after_the_position_projection(name):
         s.destroy()
     assert np.abs(moves[0]).max() > 1e-6
     np.testing.assert_allclose(moves[0], moves[1], atol=1e-6 * np.abs(moves[0]).max())
+
+
+def test_the_shift_by_pressure_is_the_move_from_rest_by_its_excess():
+    """dt^2/(2 rho) times the excess of the gradient, which the kernel sums."""
+    s = box(1.0, (1.0, 0.5), jitter=0.4)
+    s.solve_start()
+    flow, excess, dt = s.method.flow, np.empty_like(s.particles.x), 1e-3
+    walls = flow.walls.present(flow, wetness.FREE)
+    shifts.pressure_shift(excess, flow.cloud, walls, s.particles.p_all, 1.0, lengths.MLS * S, np.inf)
+    np.testing.assert_allclose(REGULARISERS["shift_pressure"].change(flow, dt), 0.5 * dt**2 * excess / 1000.0)
+    assert np.abs(excess).max() > 1e3
+    s.destroy()
+
+
+def test_the_shift_by_speed_is_in_proportion_to_it_and_to_the_step():
+    s = box(1.0, (1.0, 0.5), jitter=0.4)
+    flow, fluid, part, moves = s.method.flow, s.particles.kind == FLUID, REGULARISERS["shift_xu"], []
+    flow.step.strained = np.full(s.particles.n_owned, 1e-3)
+    for speed, dt in ((1.0, 1e-4), (1.0, 2e-4), (4.0, 1e-4)):
+        s.particles.u[fluid] = (speed, 0.0)
+        regularising.prepare(flow, [part], dt)
+        moves.append(part.change(flow, dt))
+    np.testing.assert_allclose(moves[1:], np.multiply.outer([2.0, 4.0], moves[0]))
+    assert moves[0].any()
+    s.destroy()
 
 
 def nearest(p):
