@@ -2,4 +2,4 @@
 
 from parisph.base import libraries
 
-libraries.require("h5py")    # says how to get it, where the import of a module in here would not
+libraries.require("h5py")    # its error says how to install it
