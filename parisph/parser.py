@@ -98,7 +98,7 @@ def _study(verbs: Verbs) -> None:
                       help="Set parameters of all runs, such as --set end_time=2 numerics.gamma=0.01")
     verb.add_argument("-j", "--jobs", type=arguments.count, default=1, metavar="J",
                       help="Make J runs at once (default: 1)")
-    verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds on the clock")
+    verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds of wall time")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write the study to this folder (default: studies/NAME, named after FILE)")
     _add_progress(verb)

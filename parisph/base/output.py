@@ -13,7 +13,7 @@ def open_closed() -> None:
     """Send output to nowhere if the shell has closed the stream, as in `parisph run CASE >&-`. Not collective."""
     for number, name in ((1, "stdout"), (2, "stderr")):
         if getattr(sys, name) is None:
-            nowhere = os.open(os.devnull, os.O_WRONLY)    # usually gets `number`, which another file would get else
+            nowhere = os.open(os.devnull, os.O_WRONLY)    # usually gets `number`, so that no other file does
             setattr(sys, name, open(nowhere, "w"))
 
 

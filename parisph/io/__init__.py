@@ -1,4 +1,4 @@
-"""The files of a run: probes, snapshots, checkpoints, reader, pictures."""
+"""The files of a run: time series, snapshots, checkpoints, and their reader."""
 
 from parisph.base import libraries
 

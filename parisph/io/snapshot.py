@@ -144,8 +144,7 @@ def run_of_index(path: Path) -> str | None:
 
 
 def find(folder: Path, run: str = "") -> dict[str, float]:
-    """Return {file name relative to the folder of a run: time [s]} from its snapshots as `time_of_own`. Not collective.
-    """
+    """Return {file name relative to the folder of a run: time [s]} from its own snapshots. Not collective."""
     found = {}
     for path in sorted((folder / "snapshots").glob("*.vtkhdf")):
         time = time_of_own(path, run)

@@ -1,4 +1,4 @@
-"""Names in a picture, which do not overlap each other and, if there is room, no lines."""
+"""Names in a picture, which overlap neither each other nor, if there is room, lines."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -108,7 +108,7 @@ def _draw_steps(axes: "Axes", steps: Array) -> None:
     """Draw the time step and the iterations of the pressure solve; without a solve the compression."""
     solved = "iterations" in (steps.dtype.names or ())
     axes.plot(steps["time"], steps["iterations" if solved else "compression"], ".", color=style.LINES[0], markersize=2)
-    axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
+    axes.set_ylabel("iterations per solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
                     color=style.LINES[0])
     axes.set_ylim(bottom=0)
     if solved:

@@ -29,8 +29,8 @@ def cost(summary: Content) -> CellTable:
     rows = [("CPU time", number(summary, SUMMARY, ["cpu_seconds"], ".4g", "s")),
             ("wall time", number(summary, SUMMARY, ["wall_seconds"], ".4g", "s")),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
-            ("iterations a solve, median", number(summary, SUMMARY, ["iterations", "median"])),
-            ("iterations a solve, most", number(summary, SUMMARY, ["iterations", "max"])),
+            ("iterations per solve, median", number(summary, SUMMARY, ["iterations", "median"])),
+            ("iterations per solve, most", number(summary, SUMMARY, ["iterations", "max"])),
             ("peak memory of the first rank", number(summary, SUMMARY, ["peak_memory_mb", 0], ".0f", "MB"))]
     phases = summary.get("cpu_phases") or {}
     longest = sorted(phases, key=lambda name: -float(phases[name]))[:4]

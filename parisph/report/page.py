@@ -69,7 +69,7 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
 
 def _run(about: Subject) -> list[str]:
     parts = [markup.paragraph(f"Run in {named(about.run.folder.resolve().name)}. Every number of the tables is an "
-                              "entry of summary.json or case.json of this run, which pointing at it shows.", "small")]
+                              "entry of summary.json or case.json of this run, named by its tooltip.", "small")]
     if not about.summary:
         parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
     parts += [markup.paragraph(f"Warning: {text}", "warning") for text in about.summary.get("warnings") or ()]

@@ -162,7 +162,7 @@ def evenly(time: Floats, value: Floats) -> tuple[Floats, Floats]:
 
 
 def moving_mean(time: Floats, value: Floats, width: float) -> Floats:
-    """Return the mean (n,) of a series over a width [s] about each of its times, by integrals; less at its ends."""
+    """Return the mean (n,) of a series over a width [s] about each of its times, or over its part inside the series."""
     t, p = _series(time, value)
     low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
     mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)

@@ -50,10 +50,10 @@ def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, per
     start, end : of the analysis [s]; default the last whole periods of regular waves, at most ten, and all times of
         irregular ones after their arrival at the farthest gauge
 
-    Returns probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; regular; incident, reflected
-    : heights [m], significant ones of irregular waves; coefficient, residual : relative. Waves towards +x are incident,
-    unless the wavemaker faces -x. bands of irregular waves: frequency [Hz], incident, reflected [m2/Hz] and
-    coefficient, None where the gauges do not separate.
+    Returns probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; whether they are regular;
+    heights `incident` and `reflected` [m], significant heights of irregular waves; coefficient and residual, relative.
+    Waves towards +x are incident, unless the wavemaker faces -x. bands of irregular waves have frequency [Hz],
+    incident, reflected [m2/Hz] and coefficient, None where the gauges do not separate.
 
     Raises CaseError for gauges or times that cannot be used.
     """

@@ -12,8 +12,8 @@ COLUMN = 1.5        # half the width of the column of water at a gauge
 GAUGE_GAP = 1.5     # longest distance of particles in a column without air between them, for a gauge
 STRETCH = 1.25      # added above a particle inside the fluid: they are farther apart below the crest of a steep wave
 COLUMN_GAP = 2.1    # the same for a column: falling water stretches, in the dam break to 1.6, beside a wall to 2.2
-BED = 2.0           # largest height above the bed of the lowest particle of water on it
-BED_GAP = 2.1       # longest distance of particles of that water, the reach of gradients
+BED = 2.0           # height above the bed, up to which water is on it
+BED_GAP = 2.1       # longest distance of water from the bed, and of its particles along it: the reach of gradients
 
 ROUNDING = 1.0 + 1e-9
 
