@@ -161,7 +161,7 @@ def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
 def _moved(wave: Size, y: float) -> float:
     """Return the horizontal displacement [m] of water by a wave in half a period, at a height y [m] above the bed.
 
-        A solitary wave displaces it once; the mean over the depth is returned.
+    A solitary wave displaces it once; the mean over the depth is returned.
     """
     if isinstance(wave.wave, SolitaryWave):
         return wave.wave.area / wave.depth

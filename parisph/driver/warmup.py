@@ -68,7 +68,7 @@ def small(case: Case, numerics: ResolvedNumerics) -> Case:
     filled = side if case.closed else FILLED * s
     water = StillWater(level=side) if case.closed else Box(width=filled, height=filled)
     tank = Tank(width=side, height=side, lid=True)
-    block = Obstacle(Box(width=2.0 * s, height=2.0 * s, at=(filled - 4.0 * s, 0.0)))
+    block = Obstacle(Box(width=2.0 * s, height=2.0 * s, at=(0.5 * (filled - s), 0.0)))
     return Case(
         title="small", fluid=Fluid(water, density=1000.0), walls=(tank, block), gravity=(0.0, -1.0),
         probes=(Volume("volume"), Energy("energy")), end_time=1.0,

@@ -99,7 +99,7 @@ class Filling:
     def _hanging_step(self, tank: Tank | None, depth: float) -> Floats:
         """Return the step (2,) [m] that divides the greatest depth [m] of still water, with cells of spacing^2.
 
-    Otherwise the columns above a level bed could be up to half a cell too high or too low.
+        Otherwise the columns above a level bed could be up to half a cell too high or too low.
         """
         s = self.spacing
         rows = max(round(depth / s), 1)
@@ -181,7 +181,7 @@ class Filling:
     def cells(self, index: Ints) -> Floats:
         """Return the area (n,) [m2] of a Box nearest to each of its points (n, 2), without other shapes.
 
-    A point beside a wall has 3/2 cells, one on the surface 1/2.
+        A point beside a wall has 3/2 cells, one on the surface 1/2.
         """
         assert isinstance(self.shape, Box)
         (first, last), (lower, upper) = self._ends, self.shape.bounds
@@ -192,7 +192,7 @@ class Filling:
     def is_surface(self, index: Ints, others: "Sequence[Filling]" = ()) -> Flags:
         """Return which of the filled indices (n, 2) have a neighbour along an axis outside the fluid, (n,) bool.
 
-    There is no free surface at a wall that the shape reaches. others : further fluid
+        There is no free surface at a wall that the shape reaches. others : further fluid
         """
         free, fills = np.zeros(len(index), dtype=bool), {self, *others}
         for axis in range(2):

@@ -66,11 +66,7 @@ def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, per
     peak = period or (float(made.period) if isinstance(made, Jonswap) else None)
     k = _wave_number(made, peak, depth, g) if peak else None
     names = _chosen(case, k, depth) if probes is None else list(probes)
-    there = surface_gauges(case.probes)
-    for name in names:
-        if name not in there:
-            raise CaseError(f"there is no SurfaceGauge {shown(name)} (there is {listed(list(there)) or 'none'})")
-    places = [there[name].at for name in names]
+    places = _places(case, names)
     time, rows = _series(run, names)
     start, end = _window(case, places, time, peak if regular else None, k, depth, (start, end))
     inside = (time >= start) & (time <= end)
@@ -97,6 +93,15 @@ def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, per
     incident, reflected = heights[::-1] if backwards else heights
     return about | {"incident": incident, "reflected": reflected,
                     "coefficient": reflected / incident if incident > 0.0 else None}
+
+
+def _places(case: Case, names: Sequence[str]) -> list[float]:
+    """Return x [m] of the named gauges. Raises CaseError for another name."""
+    there = surface_gauges(case.probes)
+    for name in names:
+        if name not in there:
+            raise CaseError(f"there is no SurfaceGauge {shown(name)} (there is {listed(list(there)) or 'none'})")
+    return [there[name].at for name in names]
 
 
 def text(found: Mapping[str, Any]) -> str:

@@ -13,6 +13,7 @@ from mpi4py import MPI
 from parisph.base.errors import SolverDiverged
 from parisph.case.schema import Box
 from parisph.driver import Simulation, warmup
+from parisph.geometry import scene_checks
 from parisph.kernels import cache, jit, processor
 from tests.launch import HANGS, ROOT, clean_environment
 from tests.others import NOBODY, as_user, open_folder
@@ -46,13 +47,14 @@ def test_private_folder_is_not_shared(tmp_path):
 
 
 def test_small_scene_is_of_the_same_kind():
-    """What it compiles is what the run needs: the method, the preset, and a closed tank or not."""
+    """What it compiles is what the run needs: the method, the preset, and a closed tank or not. No user has a warning
+    about it."""
     open_case = scene("dam_break", {"preset": "violent", "method": "ISPH"}, spacing=0.1)
-    small = warmup.small(open_case, open_case.numerics.resolved())
-    assert (small.numerics.method == "ISPH" and not small.closed
-            and small.numerics.kappa == open_case.numerics.resolved().kappa)
-    full = open_case.changed(**{"fluid.shape": Box(width=2.0, height=2.0)})
-    assert full.closed and warmup.small(full, full.numerics.resolved()).closed
+    full_case = open_case.changed(**{"fluid.shape": Box(width=2.0, height=2.0)})
+    small, full = (warmup.small(case, case.numerics.resolved()) for case in (open_case, full_case))
+    assert small.numerics.method == "ISPH" and small.numerics.kappa == open_case.numerics.resolved().kappa
+    assert not small.closed and full_case.closed and full.closed
+    assert not [*scene_checks.warnings(small), *scene_checks.warnings(full)]
 
 
 @pytest.fixture
