@@ -13,12 +13,12 @@ from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case import absorb, scenery, size, time_checks, wave_sizes
-from parisph.case.bodies import Body, StillWater
+from parisph.case.bodies import Body, StillWater, motion_of
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT
 from parisph.case.methods import METHODS
-from parisph.case.motion import Translation
+from parisph.case.motion import AtRest, Translation
 from parisph.case.probes import singles
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
@@ -37,8 +37,8 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*_inside(case), *_size(case)]
     if not found:
-        found += [*_turning(case), *_absorbing(case), *_viscosity(case), *_friction(case), *_surface(case),
-                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_turning(case), *_moving(case), *_absorbing(case), *_viscosity(case), *_friction(case),
+                  *_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += time_checks.problems(case)
     return found
@@ -65,6 +65,15 @@ def _turning(case: Scene) -> Iterator[str]:
                "or a frame that does not turn")
     elif "coriolis" not in numerics.forces:
         yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
+
+
+def _moving(case: Scene) -> Iterator[str]:
+    if METHODS[case.numerics.method].step != "compressible":
+        return
+    for name, body in zip(scenery.body_names(case.bodies), case.bodies):
+        if not isinstance(motion_of(body), AtRest):
+            yield (f"walls, {name}: weakly compressible SPH has no walls that move; choose a projection method, leave "
+                   "the motion out, or give that of a whole tank as frame=")
 
 
 def _absorbing(case: Scene) -> Iterator[str]:

@@ -68,6 +68,20 @@ def test_turn_is_the_rate_of_the_normal():
                                ROLL.acceleration_at(ROLL.placed(mesh.x0, 0.2), 0.2)[elements.moves])
 
 
+def test_a_wall_that_comes_near_is_seen_where_none_of_its_nodes_is():
+    """On a rank with fluid alone, which rests."""
+    block = Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=Sway(0.3, frequency=1.0))
+    elements = WallElements(wall_mesh([block], S), 1, S, [Prescribed(motion) for motion in motions_of([block])])
+    p = Particles(MPI.COMM_SELF, 2, FieldSet(Boundary.fields))
+    p.assign({"id": np.zeros(1, np.int64), "kind": np.array([FLUID], np.int8), "x": np.array([[0.85, 0.5]])})
+    elements.settle(p, 1.0)
+    for time, seen in ((0.0, False), (0.5 * np.pi, True)):
+        elements.place(time, time, time)
+        elements.renew(p, 2.6 * S)
+        elements.look(p, 2.6 * S, np.zeros(2, np.int32), np.zeros(0, np.int32))
+        assert (len(elements.walls.indices) > 0) == seen
+
+
 def test_step_is_limited_by_speed_and_acceleration():
     walls = [Tank(1.0, 1.0), Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=Sway(0.1, frequency=3.0))]
     elements = WallElements(wall_mesh(walls, S), 0, S, [Prescribed(motion) for motion in motions_of(walls)])
