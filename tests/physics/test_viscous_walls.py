@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph import Box, Case, Disc, Fluid, Numerics, Simulation, SurfaceGauge, Tank
-from parisph.base.fields import FLUID
+from parisph.base.fields import ABSENT, FLUID
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.motion import Roll
 from tests import viscous_flows as flows
@@ -30,6 +30,15 @@ def test_viscous_water_rests_around_bodies(body, form):
         s.advance()
     assert np.abs(s.particles.u[s.particles.kind == FLUID]).max() < 1e-8
     s.destroy()
+
+
+@pytest.mark.parametrize("slip, unseen", [("free", 2), ("none", 0)])
+def test_viscous_water_does_not_see_convex_edges_that_it_slips_along(simulated, slip, unseen):
+    """Their nodes have no row, so the velocity there is unknown."""
+    block = Obstacle(Box(0.2, 0.2, at=(0.4, 0.0)), slip=slip)
+    s = simulated(scene((Tank(1.0, 1.0), block), Fluid(StillWater(0.5), density=1000.0, viscosity=NU)))
+    seen, _ = s.method.flow.walls.viscous(s.method.flow, s.particles.kind_all)
+    assert np.count_nonzero(seen == ABSENT) == unseen
 
 
 def damping(walls):

@@ -55,6 +55,13 @@ def test_a_pressure_that_is_missing_is_extrapolated_along_elements_of_any_length
     assert line.of(x, np.array([10.0, 20.0, np.nan]), np.zeros(2)) == pytest.approx((0.0, -75.0, -135.0))
 
 
+def test_the_pressure_at_the_end_of_a_line_is_not_negative():
+    """Up to p = 10 and 30 at x = 1 and 2, it would be -10 at the end x = 0: 5 and 20 instead of 0 and 20."""
+    line = PressureLoad(SimpleNamespace(ends=np.array([True, False, False])), np.array([[0, 1], [1, 2]]))
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    assert line.of(x, np.array([np.nan, 10.0, 30.0]), np.zeros(2))[1] == pytest.approx(-25.0)
+
+
 def test_the_dynamic_force_of_water_at_rest_is_zero():
     """On a pier that stands through the surface, a disc below it and the tank; in a tank alone, on the lattice; and in
     a flume, whose bed behind the piston is dry. The foot of the piston has no row, but the force knows its pressure."""
