@@ -86,6 +86,8 @@ def test_step_is_limited_by_speed_and_acceleration():
     walls = [Tank(1.0, 1.0), Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=Sway(0.1, frequency=3.0))]
     elements = WallElements(wall_mesh(walls, S), 0, S, [Prescribed(motion) for motion in motions_of(walls)])
     assert elements.longest_step(0.0, 0.3) == pytest.approx(min(0.3 * S / 0.3, 2.0 * np.pi / 3.0 / 50.0), rel=1e-6)
+    # it starts from rest, with an acceleration alone
+    assert elements.longest_step(0.0, 0.001) == pytest.approx(np.sqrt(2.0 * 0.001 * S / 0.9), rel=1e-6)
     assert WallElements(wall_mesh(walls[:1], S), 0, S).longest_step(0.0, 0.3) == np.inf
 
 
