@@ -4,9 +4,9 @@
 
 About two and a half hours of CPU time, all but a quarter of an hour for the records of Z17 at the paper's time step of
 0.001 s; --only ISPH_R leaves these out. ISPH_R runs as it is, and with the gradients of Z17 Eqs 27, 28 and 29 in place
-of its own, so that nothing else differs. The records have their own source, and no regularisation. They find the
-surface by gaps here, for the papers' rule needs a plain tank. Err of Eq 35 is against Boussinesq's wave as in Z17, the
-profile against the exact one, at 5 s and with crests aligned; the gauges are aligned by nothing.
+of its own, so that nothing else differs. The records have their own source, and no regularisation; their surface is
+found by gaps, not by the rule of the papers. Err of Eq 35 is against Boussinesq's wave as in Z17, the profile against
+the exact one, at 5 s and with crests aligned; the gauges are aligned by nothing.
 """
 
 from solitary_measures import GAUGES, height, printed, profile
