@@ -93,8 +93,10 @@ class WallElements:
     def let_move(self, name: str, mover: Mover) -> None:
         """Let a mover replace the motion of a body, and of bodies with the same motion, from the next step on.
 
-        The extent of the scene, probes and pictures still use the motion in the case. Call it on all ranks. Raises
-        CaseError on all of them if no body of this name moves.
+        The extent of the scene, the rims over which water leaves a tank or a wavemaker, probes other than Force, and
+        pictures still use the motion in the case: a tank or a wavemaker must stay near it. Checkpoints have no movers:
+        call it again after a restart. Call it on all ranks. Raises CaseError on all of them if no body of this name
+        moves.
         """
         moving = {body.name: body.motion for body in self.mesh.bodies if body.motion}
         if name not in moving:
