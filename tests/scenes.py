@@ -3,7 +3,9 @@
 from textwrap import indent
 
 import numpy as np
+from mpi4py import MPI
 
+from parisph import driver
 from parisph.case.load import load
 from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
@@ -38,6 +40,31 @@ def water(shape, tank, numerics, **about):
     fluid = shape if isinstance(shape, Fluid) else Fluid(shape, **{"density": 1000.0, **of_fluid})
     return Case(**{"title": "water", "fluid": fluid, "walls": walls,
                    "gravity": (0.0, -9.81), "end_time": 1.0, "numerics": numerics, **about})
+
+
+_MADE: list[driver.Simulation] = []
+
+
+def simulated(case, **options):
+    """Return a Simulation of a case on this rank, which is freed after the test (see conftest.py)."""
+    _MADE.append(driver.Simulation(case, MPI.COMM_SELF, **options))
+    return _MADE[-1]
+
+
+def free():
+    """Free what `simulated` has made."""
+    while _MADE:
+        _MADE.pop().destroy()
+
+
+def run_alone(case, folder, *words, **options):
+    """Run a case into a folder, on this rank and without a progress line; return the summary."""
+    return driver.run(case, MPI.COMM_SELF, folder, *words, progress=False, **options)
+
+
+def restart_alone(place, **options):
+    """Go on with a run, in the same way."""
+    return driver.restart(place, MPI.COMM_SELF, progress=False, **options)
 
 
 def made_motion(folder):

@@ -47,17 +47,13 @@ def test_case_runs_from_the_shell(first):
     assert "status          completed" in done.stdout and "runs/sloshing" in done.stdout
 
 
-def test_study_can_be_carried_out(tmp_path):
+@pytest.mark.parametrize(("word", "says"), [
+    ("study = Study(", "16 runs, 16 to do"), ("study = PatchStudy(", "Gradient beside walls: cube")])
+def test_study_can_be_carried_out(tmp_path, word, says):
     (tmp_path / "cases").symlink_to(ROOT / "cases")
-    (tmp_path / "study.py").write_text(one(PYTHON, "study = Study("), encoding="utf-8")
+    (tmp_path / "study.py").write_text(one(PYTHON, word), encoding="utf-8")
     done = parisph("study", "study.py", "--list", cwd=tmp_path)
-    assert done.returncode == 0 and "16 runs, 16 to do" in done.stdout, done.stderr
-
-
-def test_patch_study_can_be_carried_out(tmp_path):
-    (tmp_path / "patch.py").write_text(one(PYTHON, "study = PatchStudy("), encoding="utf-8")
-    done = parisph("study", "patch.py", "--list", cwd=tmp_path)
-    assert done.returncode == 0 and "Gradient beside walls: cube" in done.stdout, done.stderr
+    assert done.returncode == 0 and says in done.stdout, done.stderr
 
 
 def test_script_runs_as_printed(first):

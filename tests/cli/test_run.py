@@ -1,15 +1,11 @@
-"""run, restart and an interruption, whole, as a user does them from a shell."""
+"""run and restart, whole, as a user does them from a shell."""
 
 import json
 import os
-import signal
-import subprocess
-import sys
-import time
 
 import pytest
 
-from tests.launch import clean_environment, mpirun, parisph
+from tests.launch import mpirun, parisph
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Tank
@@ -62,26 +58,6 @@ def test_the_stored_case_runs_as_it_is(place):
     assert parisph("run", "a/case.json", "-q", "-o", "b", timeout=200, cwd=place).returncode == 0
     again = summary(place / "b")
     assert again["steps"] == 20 and again["case"] == "small dam"
-
-
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_leaves_a_checkpoint_to_go_on_from(place, sent):
-    process = subprocess.Popen([sys.executable, "-m", "parisph", "run", "dam.py", "--set", "end_time=1000"], cwd=place,
-                               env=clean_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        _wait_for(lambda: _lines(place / "runs/dam/steps.csv") > 30)
-        process.send_signal(sent)
-        _, err = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == 4, err
-    assert "parisph: error: " in err and "parisph restart runs/dam" in err and "Traceback" not in err
-    stopped = summary(place / "runs/dam")
-    assert stopped["status"] == "interrupted" and stopped["steps"] > 20
-    until = (stopped["steps"] + 3) * 0.005
-    done = parisph("restart", "runs/dam", "--until", str(until), "-q", timeout=200, cwd=place)
-    assert done.returncode == 0, done.stderr
-    assert summary(place / "runs/dam")["steps"] == stopped["steps"] + 3
 
 
 FAULT = '''
@@ -139,19 +115,3 @@ def test_check_says_what_it_takes(place):
     for words in ("small dam", "particles", "stages", "steps       20 of 0.005 s", "memory"):
         assert words in done.stdout
     assert os.listdir(place) == ["dam.py"]
-
-
-def test_restart_of_what_is_not_there(place):
-    done = parisph("restart", "runs/none", cwd=place)
-    assert done.returncode in (2, 5) and "runs/none" in done.stderr and "Traceback" not in done.stderr
-
-
-def _wait_for(condition, within=200.0):
-    deadline = time.monotonic() + within
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
-def _lines(path):
-    return len(path.read_text().splitlines()) if path.exists() else 0

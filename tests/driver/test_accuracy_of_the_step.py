@@ -4,13 +4,12 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Simulation, Tank
+from parisph import Box, Tank
 from parisph.base.fields import FLUID
 from parisph.case.time_scales import flow_length
 from parisph.methods import timestep
-from tests.scenes import scene, water
+from tests.scenes import scene, simulated, water
 
 SPACING, G = 0.05, 9.81
 
@@ -25,9 +24,8 @@ def largest(case, count):
 
 
 def steps(case, count):
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     found = [s.advance().dt for _ in range(count)]
-    s.destroy()
     return found
 
 
@@ -38,7 +36,7 @@ def test_water_that_is_set_in_motion_has_short_steps():
     assert largest(column(fall=0.0), 25) > 1.5 * limit
 
 
-def test_an_impact_has_shorter_steps(simulated):
+def test_an_impact_has_shorter_steps():
     """By the acceleration of the fluid as a whole, not by that of its fastest particle alone, nor below LEAST_MOVE."""
     s = simulated(column())
 
@@ -52,7 +50,7 @@ def test_an_impact_has_shorter_steps(simulated):
     assert step(1e4 * G) == pytest.approx(timestep.LEAST_MOVE * SPACING / 2.0)
 
 
-def test_a_flow_of_many_fine_particles_sets_its_own_time_scale(simulated):
+def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
     """Twenty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
     assert flow_length(column()) == SPACING
     assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 20.0)
@@ -67,7 +65,7 @@ def test_a_flow_of_many_fine_particles_sets_its_own_time_scale(simulated):
 def test_the_mean_acceleration_is_that_of_all_fluid():
     """Of a round drop that begins to stretch, A^2 r at a distance r; it comes back with a checkpoint's state."""
     case = scene("free_drop", spacing=0.05, time_step=None)
-    s, other = (Simulation(case, MPI.COMM_SELF) for _ in range(2))
+    s, other = (simulated(case) for _ in range(2))
     speed, radius = s.particles.u[:, 0].max(), s.particles.x[:, 0].max()
     rate = speed / radius
     s.advance()
@@ -75,8 +73,6 @@ def test_the_mean_acceleration_is_that_of_all_fluid():
     assert mean == pytest.approx(rate**2 * radius / sqrt(2.0), rel=0.03) and largest > mean
     other.method.resume(s.method.state())
     assert other.method.accelerations == (largest, mean)
-    for each in (s, other):
-        each.destroy()
 
 
 def test_waves_are_limited_by_their_acceleration():
@@ -102,7 +98,7 @@ def test_still_water_is_not_limited():
 
 
 @pytest.mark.parametrize("closed", [True, False])
-def test_a_full_closed_tank_has_numbers_of_its_own(closed, simulated):
+def test_a_full_closed_tank_has_numbers_of_its_own(closed):
     height = 1.0 if closed else 0.5
     case = water((1.0, height), (1.0, 1.0, True), dict(spacing=0.1, filter=0.02), gravity=(0.0, 0.0))
     s = simulated(case)

@@ -7,17 +7,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Disc, Fluid, Heave, Obstacle, PressureTap, ProbeArray, StillWater, SurfaceGauge, Tank, VelocityPoint
 from parisph.base.fields import FLUID, SURFACE
-from parisph.driver import probe_gaps, run
+from parisph.driver import probe_gaps
 from parisph.driver.diagnostics import LIMITS, advice, heights, of_gauges
 from parisph.driver.summary import Account
 from parisph.io import info
 from tests.hard.tanks import swayed
 from tests.lasting import standing
 from tests.lasting.long import Setting
+from tests.scenes import run_alone, simulated
 
 # Waves as they were computed once: no longer than some ten periods, and less if they are steep.
 SHORT = {"surface_rule": "frozen", "gradient": "mixed", "surface_gradient": "harmonic", "wall_rows": "harmonic",
@@ -37,7 +37,7 @@ def wave(depth, periods, preset=None, **values):
 
 def status(case, folder):
     """Return the status of a run, and its warnings as one text."""
-    summary = run(case, MPI.COMM_SELF, folder, progress=False)
+    summary = run_alone(case, folder)
     return summary["status"], "; ".join(summary["warnings"])
 
 
@@ -79,7 +79,7 @@ def test_a_run_that_lost_a_good_part_of_its_water_does_not_read_as_completed(tmp
     """The loss is the first warning, and the last line; probes say that they were touched."""
     probes = [SurfaceGauge("g", at=0.1), VelocityPoint("v", at=(0.3, 0.2)), PressureTap("tap", at=(0.0, 0.1))]
     case = swayed(0.55, 0.3, lid=False, end=0.9).changed(**{"numerics.spacing": 0.05}, probes=probes)
-    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(case, tmp_path / "run")
     left, share = summary["left"]["particles"], summary["left"]["volume"] / 0.5
     assert share > 0.1 and summary["status"] == f"completed with warnings: {share:.0%} of the water has left"
     assert summary["warnings"][0].startswith(f"{left} of 190 particles, {share - 1e-6:.2%} of the water, left")
@@ -110,7 +110,7 @@ def test_probes_that_were_emptied_or_out_of_the_water_are_named():
         "v": "no value, outside the fluid, in 20% of its samples, first at t = 2 s"}
 
 
-def test_energy_in_motion_is_judged_by_the_surface(simulated):
+def test_energy_in_motion_is_judged_by_the_surface():
     """Particles that are moved inside change the whole energy, and no wave; a surface that rises does."""
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
@@ -133,7 +133,7 @@ def test_energy_in_motion_is_judged_by_the_surface(simulated):
     assert any("the energy was +" in line for line in account.warnings())
 
 
-def test_a_restart_knows_what_was_seen(simulated):
+def test_a_restart_knows_what_was_seen():
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
     account = Account()

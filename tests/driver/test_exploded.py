@@ -3,19 +3,17 @@
 from types import SimpleNamespace
 
 import pytest
-from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged, exit_code
-from parisph.driver import run
 from parisph.driver.diagnostics import Diagnostics
-from tests.scenes import scene
+from tests.scenes import run_alone, scene
 
 
 def test_a_run_that_explodes_says_so_at_once_and_fails_soon(tmp_path):
     """A surface that keeps its particles cannot break."""
     case = scene("dam_break", spacing=0.05, surface_rule="frozen")
     with pytest.raises(SolverDiverged, match="use a smaller spacing") as failed:
-        run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+        run_alone(case, tmp_path / "run")
     assert exit_code(failed.value) == 3 and "energy first rose beyond its limit at t = 0." in str(failed.value)
     log = (tmp_path / "run" / "run.log").read_text()
     told = [line for line in log.splitlines() if "WARNING" in line and "the energy was +" in line]

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import CaseError, driver, load
+from parisph import CaseError, load
 from parisph import __main__ as entry
 from parisph.io import checkpoint, reader, snapshot
 from tests.owned_rows import OwnedRows
+from tests.scenes import run_alone
 
 CASE = '''
 from parisph import Box, Case, Energy, Fluid, Numerics, Output, Tank
@@ -349,7 +350,7 @@ def test_a_script_is_told_how_to_move_the_old_run_aside(run):
     (run.parent / "small.py").write_text(CASE)
     with pytest.raises(CaseError, match=r"run holds a run already: give another folder .* \(in Python: "
                                         r"overwrite=True\)"):
-        driver.run(load("small.py"), MPI.COMM_SELF, "run", progress=False)
+        run_alone(load("small.py"), "run")
 
 
 OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.hdf.series", "checkpoints/00000020.h5",

@@ -9,9 +9,9 @@ from mpi4py import MPI
 from parisph.__main__ import main
 from parisph.base.errors import Interrupted
 from parisph.case.schema import Output
-from parisph.driver import loop, restart, run
+from parisph.driver import loop
 from parisph.io import checkpoint, reader
-from tests.scenes import scene
+from tests.scenes import restart_alone, run_alone, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 STEP = 0.032 * UNIT     # of the dam break at H/s = 10
@@ -26,7 +26,7 @@ def falling(end_time=0.38, time_step=STEP, numerics=None, **output):
 
 def done(case, folder):
     """Run a case in this process and return its Run."""
-    run(case, MPI.COMM_SELF, folder, progress=False)
+    run_alone(case, folder)
     return reader.open_run(folder)
 
 
@@ -98,9 +98,9 @@ def test_a_restart_between_two_shortened_steps_takes_the_same(tmp_path, monkeypa
     with monkeypatch.context() as patch:
         patch.setattr(loop._Run, "_asked", lambda self: (loop.SAVE + 2) * (self.simulation.steps == second))
         with pytest.raises(Interrupted):
-            run(case, MPI.COMM_SELF, tmp_path / "part", progress=False)
+            run_alone(case, tmp_path / "part")
     assert last(reader.open_run(tmp_path / "part")).time == pytest.approx(steps["time"][second - 1], rel=1e-12)
-    restart(tmp_path / "part", MPI.COMM_SELF, progress=False)
+    restart_alone(tmp_path / "part")
     part = reader.open_run(tmp_path / "part")
     np.testing.assert_allclose(part.steps["time"], steps["time"], rtol=1e-12)
     np.testing.assert_allclose(part.steps["dt"], steps["dt"], rtol=1e-9)
@@ -122,7 +122,7 @@ def _by_id(saved):
 
 def test_the_end_of_a_run_that_is_extended_stays(tmp_path):
     done(falling(0.2, every=5 * STEP), tmp_path / "run")
-    restart(tmp_path / "run", MPI.COMM_SELF, until=0.38 * UNIT, progress=False)
+    restart_alone(tmp_path / "run", until=0.38 * UNIT)
     found = reader.open_run(tmp_path / "run")
     np.testing.assert_allclose(found.times, STEP * np.array([0, 5, 6, 10, 12]), rtol=1e-12)
     assert [found.snapshot(n)["time"] for n in range(len(found))] == found.times.tolist()

@@ -11,7 +11,7 @@ from parisph.base.fields import FLUID
 from parisph.driver import wall_penetration
 from parisph.geometry.rims import rims_of
 from parisph.io import reader
-from tests.scenes import assert_same, on_one_and_more, on_two_and_then, water
+from tests.scenes import assert_same, on_one_and_more, on_two_and_then, simulated, water
 
 
 def pouring(end_time=0.2, **output):
@@ -20,7 +20,7 @@ def pouring(end_time=0.2, **output):
                  velocity=(3.0, 3.0), output=Output(**output), probes=[Energy("energy")], end_time=end_time)
 
 
-def test_every_particle_is_in_the_tank_or_counted(simulated):
+def test_every_particle_is_in_the_tank_or_counted():
     s = simulated(pouring())
     fluid = np.count_nonzero(s.particles.kind == FLUID)
     volume, walls = s.particles.volume.sum(), s.particles.n_global - fluid
@@ -38,7 +38,7 @@ def test_every_particle_is_in_the_tank_or_counted(simulated):
     assert before > 10 and len(np.unique(s.particles.id)) == s.particles.n_global
 
 
-def test_energy_leaves_with_the_water(simulated):
+def test_energy_leaves_with_the_water():
     s = simulated(pouring())
     s.advance()
     p = s.particles
@@ -54,7 +54,7 @@ def test_energy_leaves_with_the_water(simulated):
     (slice(3, 4), (1.3, 0.2), "outside the tank, but not over its rim"),
     (slice(None), (1.3, 0.9), "all water has left the tank"),
 ])
-def test_a_loss_through_a_wall_or_of_all_water_is_an_error(simulated, which, at, says):
+def test_a_loss_through_a_wall_or_of_all_water_is_an_error(which, at, says):
     s = simulated(pouring())
     s.advance()
     p = s.particles
@@ -63,7 +63,7 @@ def test_a_loss_through_a_wall_or_of_all_water_is_an_error(simulated, which, at,
         s._open_tank.let_leave(s.domain)
 
 
-def test_water_flows_over_the_rim(simulated):
+def test_water_flows_over_the_rim():
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
     case = water((1.0, 0.5), (1.0, 0.5), 0.05, gravity=(2.0, -9.6), end_time=1.5)
     s = simulated(case)
@@ -140,7 +140,7 @@ def test_water_over_a_wavemaker_has_left():
     assert face.out(x, 1.0)[0].tolist() == [True, False, False]
 
 
-def test_fluid_in_a_solid_is_an_error(simulated):
+def test_fluid_in_a_solid_is_an_error():
     s = simulated(scene(Tank(1.0, 0.5), OUT))
     p = s.particles
     s.domain.refresh()

@@ -11,13 +11,13 @@ from parisph import CaseError, PeakBand, Peaks, PressureTap, SurfaceGauge, Truth
 from parisph.__main__ import main
 from parisph.base.fields import FIELDS
 from parisph.case.schema import Output
-from parisph.driver import restart, run
+from parisph.driver import run
 from parisph.driver.peaks import PeakFlows
 from parisph.io import reader
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests import watched
-from tests.scenes import assert_same, on_two_and_then, scene
+from tests.scenes import assert_same, on_two_and_then, restart_alone, run_alone, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
@@ -171,7 +171,7 @@ def impact(end_time, **output):
 
 
 def done(case, folder):
-    run(case, MPI.COMM_SELF, folder, progress=False)
+    run_alone(case, folder)
     return reader.open_run(folder)
 
 
@@ -235,7 +235,7 @@ def test_ends_before_within_and_behind_it_leave_no_trace(whole, tmp_path):
     done(impact(ends[0] / UNIT), tmp_path / "run")
     for until in (*ends[1:], 2.0 * UNIT):
         agrees(reader.open_run(tmp_path / "run"))
-        restart(tmp_path / "run", MPI.COMM_SELF, until=until, progress=False)
+        restart_alone(tmp_path / "run", until=until)
     agrees(reader.open_run(tmp_path / "run"))
 
 

@@ -6,12 +6,10 @@ middle, to the last digits of the solve.
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Force, Numerics, Output, PressureTap, ProbeArray, SurfaceGauge, Tank
-from parisph.driver import restart, run
 from parisph.io import reader
-from tests.scenes import on_two_and_then
+from tests.scenes import on_two_and_then, restart_alone, run_alone
 
 SPACING, DEPTH, START, RATE = 0.1, 1.0, 5.0, 40.0     # m, m, m/s^2, m/s^3
 TAP = PressureTap("tap", at=(0.0, 0.2))
@@ -26,7 +24,7 @@ def still(end=0.2, output=None, **numerics):
 
 
 def done(case, folder):
-    run(case, MPI.COMM_SELF, folder, progress=False)
+    run_alone(case, folder)
     return reader.open_run(folder)
 
 
@@ -94,5 +92,5 @@ def test_a_run_that_is_killed_at_its_end_keeps_its_last_samples(tmp_path):
     case = still(preset="violent", time_step=0.01)
     before = done(case, tmp_path / "run").probe("tap")
     (tmp_path / "run" / "summary.json").unlink()
-    restart(tmp_path / "run", MPI.COMM_SELF, progress=False)
+    restart_alone(tmp_path / "run")
     assert reader.open_run(tmp_path / "run").probe("tap").tolist() == before.tolist()

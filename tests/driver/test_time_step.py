@@ -8,11 +8,11 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.base.errors import SolverDiverged
-from parisph.driver import Simulation, describe
+from parisph.driver import describe
 from parisph.driver.schedule import SHARING
 from parisph.io import checkpoint
 from parisph.methods.timestep import STRAIN, first_step
-from tests.scenes import water
+from tests.scenes import simulated, water
 
 PERIOD = 1.0    # [s]
 CFL = 0.8       # of the violent preset
@@ -26,7 +26,7 @@ def swaying(**numerics):
 
 @pytest.mark.parametrize(("numerics", "longest"),
                          [({}, PERIOD / 50), ({"max_time_step": 0.01}, 0.01), ({"time_step": 0.04}, 0.04)])
-def test_adaptive_step_resolves_the_sway(numerics, longest, simulated):
+def test_adaptive_step_resolves_the_sway(numerics, longest):
     s = simulated(swaying(**numerics))
     steps = [s.advance() and s.dt for _ in range(4)]
     assert steps == pytest.approx([longest] * 4)
@@ -41,9 +41,8 @@ def still(gravity=(0.0, 0.0), velocity=(0.0, 0.0), walls=None, end_time=1.0, spa
 
 def steps_of(case, count):
     """Return the first steps [s] of a case."""
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     found = [s.advance().dt for _ in range(count)]
-    s.destroy()
     return found
 
 
@@ -54,7 +53,7 @@ def test_first_step_knows_the_acceleration_to_come():
     assert 0.5 < steps[:8].max() / steps[0] < 2.0
 
 
-def test_the_step_does_not_know_when_the_run_ends(simulated):
+def test_the_step_does_not_know_when_the_run_ends():
     """Bit for bit, up to the last steps, which share the way to the end."""
     walls, found = Tank(width=2.0, height=2.0, lid=True), []
     for end_time in (0.3, 0.6):
@@ -95,7 +94,7 @@ def test_force_that_is_almost_nothing_at_the_start(force):
     assert 0.05 < first < 0.5
 
 
-def test_speed_alone_sets_the_step(simulated):
+def test_speed_alone_sets_the_step():
     """Of fluid with an acceleration a, the first step has |u| dt + 10 |a| dt^2 = cfl s."""
     case = still(velocity=(2.0, 0.0))
     assert steps_of(case, 1) == pytest.approx([CFL * 0.1 / 2.0])
@@ -105,7 +104,7 @@ def test_speed_alone_sets_the_step(simulated):
     assert first == pytest.approx(0.02)    # .04 + .04 = .08 m
 
 
-def test_restart_at_the_start_has_the_same_first_step(tmp_path, simulated):
+def test_restart_at_the_start_has_the_same_first_step(tmp_path):
     case = still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True))
     s = simulated(case)
     s.solve_start()
@@ -115,7 +114,7 @@ def test_restart_at_the_start_has_the_same_first_step(tmp_path, simulated):
     assert s.advance().dt == first
 
 
-def test_flow_out_of_hand_is_named(simulated):
+def test_flow_out_of_hand_is_named():
     s = simulated(still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True)))
     s.advance()
     s.particles.u[0] = [1e7, 0.0]

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph import Airy, Energy, Output, Relaxation, Simulation, Sponge, SurfaceGauge
 from parisph.truth.reflection import separated
 from parisph.watch import instruments
-from tests.scenes import difference, on_ranks, water
+from tests.scenes import difference, on_ranks, simulated, water
 
 G, DEPTH, HEIGHT = 9.81, 0.5, 0.02
 PERIOD = Airy(height=HEIGHT, period=1.2, depth=DEPTH).period
@@ -27,7 +27,7 @@ def tank(sponge, spacing=0.0625, periods=12.0, **values):
 
 def waves(case):
     """Return the incident and reflected waves over the last three periods."""
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     samplers, times, heights = instruments.build(case, simulation.comm), [], []
     while not simulation.finished():
         simulation.advance()
@@ -35,7 +35,6 @@ def waves(case):
         if simulation.time > case.end_time - 3.0 * PERIOD:
             found = instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
             heights.append([found[probe.name][0] for probe in case.probes])
-    simulation.destroy()
     return separated(times[-len(heights):], np.transpose(heights), [probe.at for probe in case.probes], PERIOD, WAVE.k)
 
 
@@ -47,7 +46,7 @@ def test_a_sponge_reflects_little(sponge, limit):
     assert found.incident == pytest.approx(0.5 * HEIGHT, rel=0.05)
 
 
-def test_water_at_rest_stays_at_rest_in_an_uneven_zone(simulated):
+def test_water_at_rest_stays_at_rest_in_an_uneven_zone():
     case = water((1.0, 0.5), (1.0, 1.0), dict(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4),
                  gravity=(0.0, -G), absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)])
     simulation = simulated(case)
@@ -56,7 +55,7 @@ def test_water_at_rest_stays_at_rest_in_an_uneven_zone(simulated):
     assert np.abs(simulation.particles.u).max() < 1e-10
 
 
-def test_the_budget_knows_what_zones_take_and_give(simulated):
+def test_the_budget_knows_what_zones_take_and_give():
     case = tank(1.0, periods=2.0)
     case = case.changed(probes=[Energy("energy")], **{"numerics.rtol": 1e-12})
     simulation = simulated(case)
@@ -94,7 +93,6 @@ def twenty_steps(comm):
         simulation.advance()
     simulation.complete(fields)
     found = simulation.gather(*fields)
-    simulation.destroy()
     return found
 
 

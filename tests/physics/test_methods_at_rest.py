@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.case.methods import METHODS
-from parisph.driver import Simulation
-from tests.scenes import scene
+from tests.scenes import scene, simulated
 
 # Methods with a warning say what moves.
 STILL = [name for name, method in METHODS.items() if method.step == "projection"
@@ -15,11 +13,10 @@ STILL = [name for name, method in METHODS.items() if method.step == "projection"
 
 def fastest(method, steps):
     """Return the speed of the fastest particle after some steps of a hydrostatic tank, over sqrt(g d)."""
-    s = Simulation(scene("hydrostatic", spacing=0.1, method=method, jitter=0.4, seed=1, end_time=1e3), MPI.COMM_SELF)
+    s = simulated(scene("hydrostatic", spacing=0.1, method=method, jitter=0.4, seed=1, end_time=1e3))
     for _ in range(steps):
         s.advance()
     found = np.linalg.norm(s.particles.u, axis=1).max() / np.sqrt(9.81)
-    s.destroy()
     return found
 
 

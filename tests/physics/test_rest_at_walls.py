@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.presets import PRESETS
-from parisph.driver import Simulation
+from tests.scenes import simulated
 from tests.solid_scenes import errors_at_rest, still
 
 SCENES = ("slope 3", "slope 15", "slope 30", "slope 60", "sill", "box", "plate", "basin")
@@ -28,7 +27,7 @@ def test_water_rests(name, preset, jitter, steps):
 
 def kicked(case, steps):
     """Return the greatest speed [m/s] so many steps after random velocities of 1e-9 m/s."""
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     s.advance()
     p = s.particles
     fluid = p.kind == FLUID
@@ -36,7 +35,6 @@ def kicked(case, steps):
     for _ in range(steps):
         s.advance()
     fastest = np.abs(p.u[p.kind == FLUID]).max()
-    s.destroy()
     return fastest
 
 
@@ -62,7 +60,7 @@ def test_waves_on_a_flat_beach_need_no_continuity_of_films():
 @pytest.mark.parametrize(("name", "spacing"), [("slope 30", 0.1), ("slope 30", 0.125), ("slope 45", 0.09)])
 def test_the_last_particle_of_a_kept_surface_does_not_creep_off(name, spacing):
     """The harmonic terms of its gradient would drive it: measured 8e-7 at most with their limit, 5e-5 to 6 without."""
-    s = Simulation(still(name, "gentle", spacing=spacing), MPI.COMM_SELF)
+    s = simulated(still(name, "gentle", spacing=spacing))
     s.advance()
     p = s.particles
     surface = np.flatnonzero(p.role == SURFACE)
@@ -70,4 +68,3 @@ def test_the_last_particle_of_a_kept_surface_does_not_creep_off(name, spacing):
     for _ in range(600):
         s.advance()
     assert np.abs(p.u[p.kind == FLUID]).max() < 3e-6
-    s.destroy()

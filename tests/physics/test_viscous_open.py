@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, CaseError, Lid, Simulation, SurfaceGauge, Tank
+from parisph import Box, CaseError, Lid, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
 from tests import viscous_flows as flows
-from tests.scenes import assert_same, on_one_and_more, scene, water
+from tests.scenes import assert_same, on_one_and_more, scene, simulated, water
 
 DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
@@ -26,11 +25,10 @@ def open_tank(viscosity, width=1.0, cells=10, top=1.5 * DEPTH, lid=False, no_sli
 
 def fastest(case, steps):
     """Return the largest velocity component of the fluid in a number of steps [m/s]."""
-    s, found = Simulation(case, MPI.COMM_SELF), 0.0
+    s, found = simulated(case), 0.0
     for _ in range(steps):
         s.advance()
         found = max(found, np.abs(s.particles.u[s.particles.kind == FLUID]).max())
-    s.destroy()
     return found
 
 
@@ -49,7 +47,7 @@ def test_a_lid_does_not_drive_water_across_air(preset, gap, form):
     assert fastest(open_tank(0.01, top=top, lid=Lid(1.0), preset=preset, form=form), 100) < 1e-8
 
 
-def test_a_lid_drives_the_water_that_it_touches(simulated):
+def test_a_lid_drives_the_water_that_it_touches():
     """A column that fills one half of the tank up to the lid."""
     case = open_tank(0.01, top=DEPTH, lid=Lid(1.0)).changed(
         **{"fluid.shape": Box(width=0.5, height=DEPTH), "gravity": (0.0, 0.0)})

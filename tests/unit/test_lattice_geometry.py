@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Disc, Polygon, Simulation, Tank
+from parisph import Box, Disc, Polygon, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.lattice import Lattice, misfit
 from parisph.geometry import build as geometry
 from parisph.geometry.mesh import CONCAVE
-from tests.scenes import water
+from tests.scenes import simulated, water
 
 
 def scene(shape=None, walls=Tank(2.0, 2.0), elevation=None, velocity=(0.0, 0.0), spacing=0.1, **numerics):
@@ -31,9 +30,8 @@ SCENES = {
 
 def started(case):
     """Return {field: array by id} of a case when its fluid is in place."""
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     found = simulation.gather("x", "u", "volume", "role", "kind")
-    simulation.destroy()
     return found
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import ColumnHeight, Energy, PressureTap, RunUp, Simulation, SurfaceGauge, VelocityPoint, WaterFront
+from parisph import ColumnHeight, Energy, PressureTap, RunUp, SurfaceGauge, VelocityPoint, WaterFront
 from parisph.base.errors import CaseError
 from parisph.base.fields import WALL, WET
 from parisph.case.bodies import Obstacle, Piston, Plate, Profile, StillWater
@@ -13,6 +13,7 @@ from parisph.case.schema import Case, Fluid, Numerics
 from parisph.case.shapes import Box, Disc, Tank
 from parisph.geometry import scene_checks
 from parisph.watch.instruments import build, sample_all
+from tests.scenes import simulated
 from tests.watched import DENSITY, G, Watch
 
 S, LEVEL = 0.05, 0.6
@@ -144,9 +145,8 @@ def test_places_that_fluid_comes_to_are_not(walls, probe):
     ((TANK, MAKER), 0.9),
 ])
 def test_current_volumes_end_at_walls_of_any_shape(walls, area):
-    simulation = Simulation(scene(walls, [Energy("e", current=True)]), MPI.COMM_SELF)
+    simulation = simulated(scene(walls, [Energy("e", current=True)]))
     simulation.solve_start()
     found = sample_all(build(simulation.case, simulation.comm), simulation.particles, simulation.domain, 0.0)["e"]
-    simulation.destroy()
     assert found[6] == pytest.approx(area, rel=6e-3)
     assert found[4] == pytest.approx(found[1], rel=1.5e-2)

@@ -12,6 +12,7 @@ from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
 from parisph.geometry.columns import overlapping
 from parisph.geometry.standing import standing
+from tests.scenes import simulated
 
 S = 0.05
 TANK = Tank(2.0, 1.0)
@@ -176,7 +177,7 @@ LIDDED = Tank(2.0, 1.0, lid=True)
 FULL = Fluid(StillWater(1.0), 1000.0)
 
 
-def test_still_water_up_to_the_lid_is_closed_beside_any_walls(simulated):
+def test_still_water_up_to_the_lid_is_closed_beside_any_walls():
     case = scene((LIDDED, box(AtRest(), at=(0.8, 0.3))), FULL, spacing=0.1)
     assert case.closed and "null space" in describe(case) and not scene_checks.warnings(case)
     run = simulated(case)
