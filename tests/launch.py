@@ -42,3 +42,9 @@ def mpirun(n, args, timeout=HANGS, cwd=None, **settings):
 def parisph(*args, timeout=HANGS, cwd=None, **settings):
     """Run `parisph ARGS` without mpirun; return CompletedProcess (see `run`)."""
     return run([sys.executable, "-m", "parisph", *args], timeout, cwd, **settings)
+
+
+def succeeded(done):
+    """Return a CompletedProcess; raise AssertionError with what it has said if it failed."""
+    assert done.returncode == 0, done.stderr
+    return done

@@ -9,6 +9,7 @@ from parisph import driver
 from parisph.case.load import load
 from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.case.stored import to_json
 from tests.launch import ROOT, mpirun
 
 # The head of a program that runs on several ranks.
@@ -89,6 +90,29 @@ def on_one_and_more(body, folder, most=3, timeout=120):
     start ranks takes longer than most bodies."""
     comms = "everyone.Split(everyone.rank // 2)," + (" everyone" if most == 3 else "")
     return on_ranks(3, f"everyone = comm\nfor comm in ({comms}):\n{indent(body, '    ')}", folder, timeout)
+
+
+STEPS = """
+from pathlib import Path
+from parisph.case.stored import from_json
+for path in sorted(Path().glob("*.json")):
+    s = Simulation(from_json(path.read_text()), comm)
+    for _ in range({steps}):
+        s.advance()
+    s.complete({fields})
+    found = s.gather(*{fields})
+    if comm.rank == 0:
+        np.savez(f"{{path.stem}}-{{comm.size}}.npz", **found)
+    s.destroy()
+"""
+
+
+def after_steps(cases, steps, fields, folder, most=2):
+    """Return {(name, ranks): fields of all particles} after steps of each Case of a dict, on 1 and 2 ranks, or to 3."""
+    for name, case in cases.items():
+        (folder / f"{name}.json").write_text(to_json(case))
+    on_one_and_more(STEPS.format(steps=steps, fields=fields), folder, most, 300)
+    return {(name, n): np.load(folder / f"{name}-{n}.npz") for name in cases for n in range(1, most + 1)}
 
 
 def on_two_and_then(n, body, first, then, folder):

@@ -7,7 +7,7 @@ from mpi4py import MPI
 
 from parisph import doctor
 from parisph.__main__ import main
-from tests.launch import mpirun, parisph
+from tests.launch import mpirun, parisph, succeeded
 
 
 def by_name(findings):
@@ -23,8 +23,7 @@ def test_this_machine_is_fit():
 
 
 def test_trial_on_three_ranks(tmp_path):
-    done = mpirun(3, ["-m", "parisph", "doctor", "--trial"], cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(mpirun(3, ["-m", "parisph", "doctor", "--trial"], cwd=tmp_path))
     assert done.stdout.count('"ranks": 3') == 1 and '"file": true' in done.stdout
     assert list(tmp_path.iterdir()) == []
 

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from tests.launch import mpirun, parisph, run
+from tests.launch import mpirun, parisph, run, succeeded
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Tank
@@ -31,8 +31,7 @@ def folder(tmp_path):
 @pytest.mark.parametrize("words", VERBS)
 def test_file_in_the_current_folder_is_not_read(folder, words, name):
     (folder / "work" / name).write_text(BAD)
-    done = parisph(*words, cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "my home"))
-    assert done.returncode == 0, done.stderr
+    done = succeeded(parisph(*words, cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "my home")))
     assert "PETSc" not in done.stdout
 
 
@@ -40,8 +39,7 @@ def test_file_in_the_current_folder_is_not_read(folder, words, name):
                                                       (VERBS[0], 1, "work")])
 def test_nor_on_two_ranks_or_where_the_current_folder_is_the_home(folder, words, ranks, home):
     (folder / "work" / ".petscrc").write_text(BAD)
-    done = mpirun(ranks, ["-m", "parisph", *words], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / home))
-    assert done.returncode == 0, done.stderr
+    succeeded(mpirun(ranks, ["-m", "parisph", *words], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / home)))
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -55,8 +53,7 @@ def test_file_in_the_home_is_read(folder, ranks):
 def options(folder, script, **settings):
     """Return PETSc's options after a script, which runs in the folder."""
     script += "\nfrom parisph.parallel.petsc import PETSc\nprint(PETSc.Options().getAll())\n"
-    done = run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings))
     return done.stdout
 
 

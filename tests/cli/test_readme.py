@@ -9,7 +9,7 @@ import pytest
 
 from parisph import cli, parser
 from parisph.case.load import load, parameters
-from tests.launch import ROOT, parisph, run
+from tests.launch import ROOT, parisph, run, succeeded
 
 README = ROOT / "README.md"
 READMES = [README, *(path for folder in ("parisph", "cases", "run_scripts", "tests")
@@ -68,8 +68,7 @@ def test_script_runs_as_printed(first):
     )
     (first / "script.py").write_text(script, encoding="utf-8")
     for folder in ("runs/short", "runs/short.old"):    # twice, as a reader may
-        done = run([sys.executable, "script.py"], cwd=first, timeout=200)
-        assert done.returncode == 0, done.stderr
+        succeeded(run([sys.executable, "script.py"], cwd=first, timeout=200))
         assert (first / folder / "summary.json").exists()
 
 
@@ -78,8 +77,7 @@ def test_script_runs_as_printed(first):
     ("EnergyLeft", "from parisph.case.probes import class_of; assert class_of('energy_left') is EnergyLeft"),
 ])
 def test_part_is_registered_as_printed(word, check):
-    done = run([sys.executable, "-c", f"{one(PYTHON, word)}\n{check}"], timeout=200)
-    assert done.returncode == 0, done.stderr
+    succeeded(run([sys.executable, "-c", f"{one(PYTHON, word)}\n{check}"], timeout=200))
 
 
 def test_names_are_offered_by_the_package():

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from tests.launch import mpirun, parisph
+from tests.launch import mpirun, parisph, succeeded
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Tank
@@ -27,8 +27,7 @@ def summary(folder):
 
 
 def test_run_on_two_ranks_and_go_on_with_three(place):
-    done = mpirun(2, ["-m", "parisph", "run", "dam.py"], timeout=200, cwd=place)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(mpirun(2, ["-m", "parisph", "run", "dam.py"], timeout=200, cwd=place))
     assert "status          completed" in done.stdout and done.stdout.count("folder ") == 1
     folder = place / "runs" / "dam"
     first = summary(folder)
@@ -38,8 +37,7 @@ def test_run_on_two_ranks_and_go_on_with_three(place):
                  "run.log"):
         assert (folder / name).stat().st_size > 0, name
 
-    done = mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.15", "-q"], timeout=200, cwd=place)
-    assert done.returncode == 0, done.stderr
+    succeeded(mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.15", "-q"], timeout=200, cwd=place))
     second = summary(folder)
     assert (second["ranks"], second["steps"], second["particles"]) == (3, 30, first["particles"])
 
@@ -48,8 +46,7 @@ def test_run_on_two_ranks_and_go_on_with_three(place):
 
 
 def test_petsc_options_reach_the_solver(place):
-    done = parisph("run", "dam.py", "-q", "--", "-pressure_ksp_view", timeout=200, cwd=place)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(parisph("run", "dam.py", "-q", "--", "-pressure_ksp_view", timeout=200, cwd=place))
     assert "KSP Object: (pressure_)" in done.stdout
 
 
@@ -109,8 +106,7 @@ def test_a_fault_of_the_warm_up_is_told_by_all_with_its_traceback(place):
 
 
 def test_check_says_what_it_takes(place):
-    done = parisph("check", "dam.py", cwd=place, timeout=120)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(parisph("check", "dam.py", cwd=place, timeout=120))
     assert "--set       end_time=0.1\n" in done.stdout
     for words in ("small dam", "particles", "stages", "steps       20 of 0.005 s", "memory"):
         assert words in done.stdout

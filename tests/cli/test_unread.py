@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.launch import run
+from tests.launch import run, succeeded
 
 CASE = """
 from tests.scenes import scene
@@ -75,8 +75,7 @@ def test_petsc_leaves_the_signal_to_the_program(tmp_path):
             "line = next(line for line in open('/proc/self/status') if line.startswith('SigCgt'))\n"
             "caught = int(line.split()[1], 16) >> (signal.SIGPIPE - 1) & 1\n"
             f"assert not caught and signal.getsignal(signal.SIGPIPE) == signal.{chosen}\n")
-        done = run([sys.executable, "program.py"], 60, tmp_path)
-        assert done.returncode == 0, done.stderr
+        succeeded(run([sys.executable, "program.py"], 60, tmp_path))
 
 
 @pytest.mark.parametrize(("to", "code"),

@@ -11,7 +11,7 @@ from parisph import __main__ as entry
 from parisph import cli, load, open_run, parser, verbs
 from parisph.base import errors
 from parisph.base.text import is_plain
-from tests.launch import mpirun, parisph
+from tests.launch import mpirun, parisph, succeeded
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Tank
@@ -201,15 +201,13 @@ def case(spacing: float = 0.1) -> Case:
 def test_case_that_differs_from_rank_to_rank_is_loaded_on_one(case):
     """By rank, process and clock: each rank would have particles, steps and a title of its own."""
     case.write_text(MOODY)
-    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "-q", "-o", "run"], cwd=case.parent, timeout=120)
-    assert done.returncode == 0, done.stderr
+    succeeded(mpirun(2, ["-m", "parisph", "run", "tank.py", "-q", "-o", "run"], cwd=case.parent, timeout=120))
     assert (case.parent / "loaded.txt").read_text() == "0"
     stored = load("run/case.json")
     summary = json.loads((case.parent / "run" / "summary.json").read_text())
     assert stored.walls.width == 1.0 and summary["case"] == stored.title
     assert summary["steps"] == round(0.02 / stored.numerics.time_step)
-    again = mpirun(1, ["-m", "parisph", "run", "run/case.json", "-q", "-o", "again"], cwd=case.parent)
-    assert again.returncode == 0, again.stderr
+    succeeded(mpirun(1, ["-m", "parisph", "run", "run/case.json", "-q", "-o", "again"], cwd=case.parent))
     first, second = (open_run(name).snapshot(-1) for name in ("run", "again"))
     np.testing.assert_array_equal(first["id"], second["id"])
     assert np.abs(first["x"] - second["x"]).max() < 1e-6

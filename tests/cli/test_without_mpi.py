@@ -6,7 +6,7 @@ import pytest
 
 from parisph.base import libraries
 from parisph.base.errors import MissingLibrary
-from tests.launch import ROOT, clean_environment, parisph, run
+from tests.launch import ROOT, clean_environment, parisph, run, succeeded
 
 CASE = ROOT / "cases" / "small_sloshing.py"
 
@@ -27,8 +27,7 @@ sys.meta_path.insert(0, Hidden())
 def stored(tmp_path_factory):
     """The folder of a short run, made with everything installed."""
     folder = tmp_path_factory.mktemp("stored")
-    done = parisph("run", CASE, "--set", "spacing=0.1", "end_time=2", "-q", "-o", "run", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    succeeded(parisph("run", CASE, "--set", "spacing=0.1", "end_time=2", "-q", "-o", "run", cwd=folder))
     return folder / "run"
 
 

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from tests.launch import ROOT, mpirun, run
+from tests.launch import ROOT, mpirun, run, succeeded
 
 SETS = ("--set", "spacing=0.1", "jitter=0.2", "end_time=0.2")
 
@@ -14,9 +14,8 @@ SETS = ("--set", "spacing=0.1", "jitter=0.2", "end_time=0.2")
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("scaling")
     for ranks in (1, 2):
-        done = mpirun(ranks, ["-m", "parisph", "run", ROOT / "cases" / "dam_break.py", "-q", *SETS,
-                              "-o", place / f"ranks_{ranks}"], timeout=200)
-        assert done.returncode == 0, done.stderr
+        succeeded(mpirun(ranks, ["-m", "parisph", "run", ROOT / "cases" / "dam_break.py", "-q", *SETS,
+                                 "-o", place / f"ranks_{ranks}"], timeout=200))
     return place
 
 
@@ -35,8 +34,7 @@ def test_shares_are_those_of_the_ranks(folder):
 def test_the_table_has_a_line_for_each_number_of_ranks(folder):
     (folder / "begun").mkdir()
     (folder / "begun" / "case.json").write_text("{}")
-    done = run([sys.executable, ROOT / "run_scripts" / "studies" / "scaling_table.py", folder])
-    assert done.returncode == 0, done.stderr
+    done = succeeded(run([sys.executable, ROOT / "run_scripts" / "studies" / "scaling_table.py", folder]))
     lines = done.stdout.splitlines()
     assert lines[0].startswith("Strong scaling") and lines[-1] == "Not completed: begun"
     head, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| "))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from parisph.io import checkpoint, reader
-from tests.launch import mpirun, parisph
+from tests.launch import mpirun, parisph, succeeded
 from tests.running import FALLING, last_checkpoint, running
 from tests.scenes import assert_same
 
@@ -28,8 +28,7 @@ def restarted(folder, ranks, *words):
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
     (folder / "case.py").write_text(FALLING)
-    done = parisph("run", "case.py", "-o", "run", "-q", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    succeeded(parisph("run", "case.py", "-o", "run", "-q", cwd=folder))
     return folder / "run"
 
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Airy, Energy, Output, Relaxation, Simulation, Sponge, SurfaceGauge
+from parisph import Airy, Energy, Output, Relaxation, Sponge, SurfaceGauge
 from parisph.truth.reflection import separated
 from parisph.watch import instruments
-from tests.scenes import difference, on_ranks, simulated, water
+from tests.scenes import after_steps, assert_same, simulated, water
 
 G, DEPTH, HEIGHT = 9.81, 0.5, 0.02
 PERIOD = Airy(height=HEIGHT, period=1.2, depth=DEPTH).period
@@ -76,30 +75,10 @@ def test_the_budget_knows_what_zones_take_and_give():
     assert zones > 0.0 and abs(pressure) < 0.14 * zones
 
 
-RANKS = """
-from tests.physics.test_absorbing import twenty_steps
-found = twenty_steps(comm)
-if comm.rank == 0:
-    np.savez("waves.npz", **found)
-"""
-
-
-def twenty_steps(comm):
-    """Return the arrays of all particles after 20 steps, None on other ranks than the first."""
-    fields = ("x", "u", "p", "vorticity")
-    case = tank(1.0, spacing=0.125, rtol=1e-13).changed(**{"output.fields": fields})
-    simulation = Simulation(case, comm)
-    for _ in range(20):
-        simulation.advance()
-    simulation.complete(fields)
-    found = simulation.gather(*fields)
-    return found
-
-
 def test_two_ranks_make_the_same_waves(tmp_path):
     """And give their vorticity, which no step has computed."""
-    on_ranks(2, RANKS, tmp_path)
-    one, two = twenty_steps(MPI.COMM_SELF), np.load(tmp_path / "waves.npz")
+    fields = ("x", "u", "p", "vorticity")
+    case = tank(1.0, spacing=0.125, rtol=1e-13).changed(**{"output.fields": fields})
+    one, two = after_steps({"waves": case}, 20, fields, tmp_path).values()
     assert np.abs(one["u"]).max() > 1e-4
-    for field in one:
-        assert difference(two[field], one[field]) < 1e-9, field
+    assert_same(one, two, fields=fields)

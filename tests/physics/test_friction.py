@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Energy, Fluid, Friction, Lid, Numerics, Output, Simulation, Tank, open_run
+from parisph import Box, Case, Energy, Fluid, Friction, Lid, Numerics, Output, Tank, open_run
 from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater
 from parisph.case.stored import from_json, to_json
@@ -13,7 +13,7 @@ from parisph.io import checkpoint
 from parisph.kernels.wall_law import wall_stress
 from parisph.watch import instruments
 from tests import moving_tanks, solid_scenes
-from tests.scenes import assert_same, on_ranks, restart_alone, run_alone, scene, simulated, water
+from tests.scenes import after_steps, assert_same, restart_alone, run_alone, scene, simulated, water
 
 SLOW = Friction(viscosity=1e-3)    # much more than water has, so that a short run shows it
 
@@ -93,15 +93,6 @@ def test_walls_that_move_rub_as_those_of_a_frame_do():
 
 # -- ranks, restarts, files ---------------------------------------------------------------------------
 
-RANKS = """
-from tests.physics.test_friction import twenty_steps
-for plain in (True, False):
-    found = twenty_steps(comm, plain)
-    if comm.rank == 0:
-        np.savez(f"friction{plain}.npz", **found)
-"""
-
-
 def still_water(plain):
     shape = Box(1.0, 0.6) if plain else StillWater(0.6)
     return Case(title="box", fluid=Fluid(shape, density=1000.0, velocity=(1.0, 0.0)), friction=Friction(roughness=0.01),
@@ -112,21 +103,12 @@ def still_water(plain):
                 output=Output(fields=("u", "p", "friction")))
 
 
-def twenty_steps(comm, plain):
-    """Return the arrays of all particles after 20 steps, None on other ranks than the first."""
-    simulation = Simulation(still_water(plain), comm)
-    for _ in range(20):
-        simulation.advance()
-    found = simulation.gather("x", "u", "p", "friction")
-    return found
-
-
 def test_ranks_have_the_same_friction(tmp_path):
-    on_ranks(2, RANKS, tmp_path)
-    for plain in (True, False):
-        one, two = twenty_steps(MPI.COMM_SELF, plain), np.load(tmp_path / f"friction{plain}.npz")
-        assert np.abs(one["friction"]).max() > 0.1
-        assert_same(one, two, 1e-8, one)
+    cases = {"plain": still_water(True), "box": still_water(False)}
+    found = after_steps(cases, 20, ("x", "u", "p", "friction"), tmp_path)
+    for name in cases:
+        assert np.abs(found[name, 1]["friction"]).max() > 0.1
+        assert_same(found[name, 1], found[name, 2], 1e-8, found[name, 1])
 
 
 def test_a_restart_goes_on_as_before(tmp_path):

@@ -8,7 +8,7 @@ from parisph.case.motion import AtRest, Roll, Series, Tabulated
 from parisph.case.motion.rigid import rotated
 from parisph.case.waves import angular_frequency
 from parisph.io import reader
-from tests.scenes import assert_same, difference, on_one_and_more, restart_alone, run_alone, simulated, water
+from tests.scenes import after_steps, assert_same, difference, restart_alone, run_alone, simulated, water
 
 G = 9.81
 CELL = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")
@@ -228,24 +228,11 @@ def test_a_restart_in_the_middle_of_a_roll(tmp_path):
     assert_same(one, other)
 
 
-VIOLENT = """
-from parisph import Box, Case, Fluid, Numerics, Roll, Tank
-case = Case(title="roll", fluid=Fluid(Box(1.0, 0.3), 1000.0), walls=Tank(1.0, 0.5, lid=True), gravity=(0.0, -9.81),
-            frame=Roll(0.3, 4.0, centre=(0.5, 0.0), ramp=0.0), end_time=1.0,
-            numerics=Numerics(spacing=0.05, rtol=1e-13, time_step=0.004))
-s = Simulation(case, comm)
-for _ in range(60):
-    s.advance()
-found = s.gather("x", "u", "p", "role", "acceleration")
-if comm.rank == 0:
-    np.savez(f"roll-{comm.size}.npz", **found)
-s.destroy()
-"""
-
-
 def test_ranks_agree(tmp_path):
-    on_one_and_more(VIOLENT, tmp_path, most=2)
-    one, two = (np.load(tmp_path / f"roll-{ranks}.npz") for ranks in (1, 2))
+    case = scene(Fluid(Box(1.0, 0.3), 1000.0), Roll(0.3, 4.0, centre=(0.5, 0.0), ramp=0.0), (1.0, 0.5, True),
+                 rtol=1e-13, time_step=0.004)
+    fields = ("x", "u", "p", "role", "acceleration")
+    one, two = after_steps({"roll": case}, 60, fields, tmp_path).values()
     assert np.abs(one["u"]).max() > 0.3
     assert_same(one, two, fields=("x", "u", "p", "acceleration"))
 

@@ -6,7 +6,7 @@ import pytest
 from parisph import Box, CaseError, Lid, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
 from tests import viscous_flows as flows
-from tests.scenes import assert_same, on_one_and_more, scene, simulated, water
+from tests.scenes import after_steps, assert_same, scene, simulated, water
 
 DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
@@ -123,24 +123,10 @@ def test_viscosity_damps_a_wave_on_a_free_surface(viscosity):
     assert found == pytest.approx(exact, rel=0.05)
 
 
-RANKS = """
-from tests.physics.test_viscous_open import DEPTH, Lid, open_tank
-for form in ("viscous", "viscous_morris"):
-    case = open_tank(0.01, top=1.1 * DEPTH, lid=Lid(1.0), elevation="0.04*cos(pi*x)", form=form, preset="violent",
-                     rtol=1e-13)
-    s = Simulation(case, comm)
-    for _ in range(20):
-        s.advance()
-    found = s.gather("x", "u", "p", "role")
-    if comm.rank == 0:
-        np.savez(f"{form}-{comm.size}.npz", **found)
-    s.destroy()
-"""
-
-
 def test_ranks_agree_about_the_walls_that_water_touches(tmp_path):
     """A wave whose crest is at the lid, and which leaves it."""
-    on_one_and_more(RANKS, tmp_path, most=2, timeout=300)
-    for form in ("viscous", "viscous_morris"):
-        one, two = (np.load(tmp_path / f"{form}-{n}.npz") for n in (1, 2))
-        assert_same(one, two)
+    cases = {form: open_tank(0.01, top=1.1 * DEPTH, lid=Lid(1.0), elevation="0.04*cos(pi*x)", form=form,
+                             preset="violent", rtol=1e-13) for form in ("viscous", "viscous_morris")}
+    found = after_steps(cases, 20, ("x", "u", "p", "role"), tmp_path)
+    for form in cases:
+        assert_same(found[form, 1], found[form, 2])

@@ -5,9 +5,7 @@ import pytest
 
 from parisph.base.fields import WALL
 from parisph.kernels import collisions, solids
-from tests.pools import block, free, part, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, free, part, tank
 
 
 def collided(pool, u, distance=0.85, restitution=0.2, volume=None, gradient=None):

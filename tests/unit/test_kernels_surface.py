@@ -6,7 +6,7 @@ import pytest
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, INNER, SURFACE, WALL
 from parisph.kernels import surface
 from parisph.methods.surfaces import PositionDivergence
-from tests.pools import block, free, part, tank
+from tests.pools import block, dims, free, part, tank
 
 ENTER, LEAVE, THIN = 2.3, 1.4, 0.55
 GAP_RADIUS, DOMAIN = 2.0, 2.6
@@ -285,16 +285,17 @@ def test_condition_b_thin_and_near_the_surface(alpha, expected):
     assert ring(*ALL_ROUND, alpha=alpha) == expected
 
 
-def test_condition_c_an_empty_quadrant():
-    # all four sectors about the axes hold a particle, the quadrant x, y > 0 does not
-    assert ring(-40, -44, 134, 136, 170, 225, 226, 271, -10, 100) == SURFACE
-    assert ring(-40, -44, 134, 136, 170, 225, 226, 271, -10, 100, 45) == INNER
-
-
-def test_condition_d_an_empty_sector_about_an_axis():
-    # all four quadrants hold a particle, the sector about +y does not
-    assert ring(30, 40, 140, 150, 200, 250, 290, 340) == SURFACE
-    assert ring(30, 40, 140, 150, 200, 250, 290, 340, 91) == INNER
+@pytest.mark.parametrize(("degrees", "role"), [
+    # condition (c): all four sectors about the axes hold a particle, the quadrant x, y > 0 does not
+    ((-40, -44, 134, 136, 170, 225, 226, 271, -10, 100), SURFACE),
+    ((-40, -44, 134, 136, 170, 225, 226, 271, -10, 100, 45), INNER),
+    # condition (d): all four quadrants hold a particle, the sector about +y does not
+    ((30, 40, 140, 150, 200, 250, 290, 340), SURFACE), ((30, 40, 140, 150, 200, 250, 290, 340, 91), INNER),
+    # a neighbour on an axis occupies both sides
+    ((0, 90, 180, 270), INNER), ((45, 135, 225, 315), INNER), ((0, 90, 180), SURFACE),
+])
+def test_empty_quadrants_and_sectors_about_an_axis(degrees, role):
+    assert ring(*degrees) == role
 
 
 @pytest.mark.parametrize("alpha", [0.5, 1.0])
@@ -308,12 +309,6 @@ def test_only_the_surface_and_its_neighbours_are_candidates(alpha):
 def test_condition_e_is_within_the_others():
     # thin, at most two quadrants and two sectors: a former surface particle counts itself (NumA >= 1)
     assert ring(80, 100, alpha=0.5, one_on_surface=False, was_centre=SURFACE) == SURFACE
-
-
-def test_neighbour_on_an_axis_occupies_both_sides():
-    assert ring(0, 90, 180, 270) == INNER
-    assert ring(45, 135, 225, 315) == INNER
-    assert ring(0, 90, 180) == SURFACE
 
 
 def test_particle_in_the_same_place_occupies_no_quadrant():
@@ -348,7 +343,6 @@ def test_density_rule(dim):
 
 # -- divergence of position ------------------------------------------------------------------------------
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 SIDES = {2: (14, 10), 3: (8, 8, 8)}
 
 
