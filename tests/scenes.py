@@ -46,9 +46,11 @@ def water(shape, tank, numerics, **about):
 _MADE: list[driver.Simulation] = []
 
 
-def simulated(case, **options):
-    """Return a Simulation of a case on this rank, which is freed after the test (see conftest.py)."""
+def simulated(case, steps=0, **options):
+    """Return a Simulation of a case on this rank after some steps, which is freed after the test (see conftest.py)."""
     _MADE.append(driver.Simulation(case, MPI.COMM_SELF, **options))
+    for _ in range(steps):
+        _MADE[-1].advance()
     return _MADE[-1]
 
 

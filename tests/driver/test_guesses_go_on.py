@@ -32,9 +32,7 @@ def test_a_step_begins_with_up_to_three_guesses(monkeypatch):
 
 @pytest.mark.parametrize("known", [True, False])
 def test_a_restart_guesses_as_the_run_would_have_done(known):
-    s = simulated(scene("standing_wave", spacing=0.1))
-    for _ in range(4):
-        s.advance()
+    s = simulated(scene("standing_wave", spacing=0.1), 4)
     start = saved(s)
     if not known:    # as in checkpoints of earlier versions
         for name in ("p_before", "p_earlier", "p_earliest"):

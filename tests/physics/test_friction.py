@@ -68,9 +68,7 @@ def test_a_layer_loses_the_momentum_that_the_stress_takes():
 def test_a_lid_that_slides_takes_water_along():
     case = water((1.0, 0.5), (1.0, 0.5, Lid(velocity=2.0)), dict(spacing=0.05, preset="closed", time_step=0.005),
                  gravity=(0.0, 0.0), friction=SLOW)
-    simulation = simulated(case)
-    for _ in range(20):
-        simulation.advance()
+    simulation = simulated(case, 20)
     p = simulation.particles
     top = (p.kind == FLUID) & (p.x[:, 1] > 0.42) & (np.abs(p.x[:, 0] - 0.5) < 0.3)
     assert 0.0 < p.u[top, 0].mean() < 2.0 and "work_friction" not in simulation.columns

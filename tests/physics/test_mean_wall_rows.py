@@ -17,9 +17,7 @@ def means(monkeypatch):
 
 def test_water_rests(means):
     case = scene("hydrostatic", spacing=0.1, preset="violent", jitter=0.4).changed(**{"numerics.rtol": 1e-13})
-    s = simulated(case)
-    for _ in range(20):
-        s.advance()
+    s = simulated(case, 20)
     found = s.gather("u", "kind", "role")
     assert np.count_nonzero(found["role"] == WET) > 20
     assert np.abs(found["u"][found["kind"] == FLUID]).max() < 1e-9

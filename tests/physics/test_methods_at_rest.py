@@ -13,9 +13,7 @@ STILL = [name for name, method in METHODS.items() if method.step == "projection"
 
 def fastest(method, steps):
     """Return the speed of the fastest particle after some steps of a hydrostatic tank, over sqrt(g d)."""
-    s = simulated(scene("hydrostatic", spacing=0.1, method=method, jitter=0.4, seed=1, end_time=1e3))
-    for _ in range(steps):
-        s.advance()
+    s = simulated(scene("hydrostatic", spacing=0.1, method=method, jitter=0.4, seed=1, end_time=1e3), steps)
     found = np.linalg.norm(s.particles.u, axis=1).max() / np.sqrt(9.81)
     return found
 

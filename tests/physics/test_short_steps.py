@@ -25,9 +25,7 @@ def test_pressure_at_two_times_close_together(tmp_path, later, name):
 
 
 def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure():
-    s = simulated(scene("standing_wave", spacing=0.1))
-    for _ in range(3):
-        s.advance()
+    s = simulated(scene("standing_wave", spacing=0.1), 3)
     s.method.flow.step.dt *= 0.1
     acted = s.particles.p.copy()
     with s.method.shown():

@@ -51,9 +51,7 @@ def test_a_lid_drives_the_water_that_it_touches():
     """A column that fills one half of the tank up to the lid."""
     case = open_tank(0.01, top=DEPTH, lid=Lid(1.0)).changed(
         **{"fluid.shape": Box(width=0.5, height=DEPTH), "gravity": (0.0, 0.0)})
-    s = simulated(case)
-    for _ in range(20):
-        s.advance()
+    s = simulated(case, 20)
     p = s.particles
     fluid = (p.kind == FLUID) & (p.x[:, 0] < 0.4)
     above, below = fluid & (p.x[:, 1] > 0.9 * DEPTH - 1e-3), fluid & (p.x[:, 1] < 0.5 * DEPTH)

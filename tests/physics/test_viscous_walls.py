@@ -25,9 +25,7 @@ def scene(walls, fluid, spacing=0.05, probes=(), **numerics):
 def test_viscous_water_rests_around_bodies(body, form):
     water = Fluid(StillWater(0.6), density=1000.0, viscosity=NU)
     s = simulated(scene((Tank(2.0, 1.0, no_slip=body.slip == "none"), body), water, preset="violent", jitter=0.4,
-                        forces=("body", form)))
-    for _ in range(20):
-        s.advance()
+                        forces=("body", form)), 20)
     assert np.abs(s.particles.u[s.particles.kind == FLUID]).max() < 1e-8
 
 

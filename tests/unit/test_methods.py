@@ -102,9 +102,7 @@ def test_errors_of_opposite_signs_compensate_and_others_add_up(monkeypatch):
 
 def test_weakly_compressible_fluid_follows_a_force_that_grows_evenly():
     """In free flight, velocity Verlet is exact: it takes the force at both ends of the step."""
-    s = simulated(water((0.5, 0.5), None, dict(spacing=0.1, method="SPH", sound_speed=20.0), gravity=("0", "-40*t")))
-    for _ in range(5):
-        s.advance()
+    s = simulated(water((0.5, 0.5), None, dict(spacing=0.1, method="SPH", sound_speed=20.0), gravity=("0", "-40*t")), 5)
     np.testing.assert_allclose(s.particles.u, np.tile([0.0, -20.0 * s.time**2], (s.particles.n_owned, 1)), rtol=1e-9)
 
 
@@ -155,9 +153,7 @@ def test_what_a_force_and_the_flow_itself_do_is_removed_at_once():
 
 
 def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for_it():
-    simulation = simulated(dam(volume_time=20.0))
-    for _ in range(2):    # nothing is left before the first
-        simulation.advance()
+    simulation = simulated(dam(volume_time=20.0), 2)
     expansion, left = simulation.particles.expansion, simulation.particles.left
     assert np.any(expansion != 0.0) and np.abs(expansion).max() < 0.01 and np.any(left != 0.0)
     # of fluid at rest, .3 % in 20 sqrt(s/g), in four long steps at least

@@ -75,9 +75,7 @@ def test_bodies_near_the_spacing_are_accepted_with_the_fluid_on_their_left(case)
     (Disc(2.0 * S, at=(1.0, 2.2 * S)), 15), (Box(S, S, at=(1.0, 0.3)), 15), (notched(1.5 * S), 15),
 ])
 def test_water_rests_beside_them(body, steps):
-    run = simulated(in_tank(body))
-    for _ in range(steps):
-        run.advance()
+    run = simulated(in_tank(body), steps)
     u = np.linalg.norm(run.particles.u[run.particles.kind == FLUID], axis=1)
     assert u.max() < 1e-4
 

@@ -15,9 +15,7 @@ from tests.scenes import scene, simulated
 @pytest.fixture
 def falling():
     """A column that has fallen for a while, with roles, lists and matrix of its last step."""
-    s = simulated(scene("dam_break", spacing=0.05, jitter=0.4))
-    for _ in range(40):
-        s.advance()
+    s = simulated(scene("dam_break", spacing=0.05, jitter=0.4), 40)
     yield s
 
 
