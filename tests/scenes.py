@@ -10,6 +10,7 @@ from parisph.case.load import load
 from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.stored import to_json
+from parisph.io.reader import open_run
 from tests.launch import ROOT, mpirun
 
 # The head of a program that runs on several ranks.
@@ -63,6 +64,12 @@ def free():
 def run_alone(case, folder, *words, **options):
     """Run a case into a folder, on this rank and without a progress line; return the summary."""
     return driver.run(case, MPI.COMM_SELF, folder, *words, progress=False, **options)
+
+
+def ran(case, folder, *words):
+    """Run a case in the same way, and return its Run."""
+    run_alone(case, folder, *words)
+    return open_run(folder)
 
 
 def restart_alone(place, **options):

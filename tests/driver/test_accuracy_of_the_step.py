@@ -25,8 +25,7 @@ def largest(case, count):
 
 def steps(case, count):
     s = simulated(case)
-    found = [s.advance().dt for _ in range(count)]
-    return found
+    return [s.advance().dt for _ in range(count)]
 
 
 def test_water_that_is_set_in_motion_has_short_steps():

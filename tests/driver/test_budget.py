@@ -10,7 +10,7 @@ from parisph.case.schema import Sway
 from parisph.case.stored import from_json, to_json
 from parisph.io import reader, series
 from parisph.watch import instruments
-from tests.scenes import on_ranks, restart_alone, run_alone, scene, simulated
+from tests.scenes import on_ranks, ran, restart_alone, run_alone, scene, simulated
 
 CAUSES = ("pressure", "film", "filter", "collisions", "guard", "projection", "parting", "shift")
 COLUMNS = [f"work_{cause}" for cause in CAUSES]
@@ -62,8 +62,7 @@ def test_without_a_budget_there_is_none(tmp_path):
     case = scene("dam_break", spacing=0.1, end_time=0.05)
     simulation = simulated(case)
     assert simulation.advance().works is None
-    run_alone(case, tmp_path / "run")
-    names = reader.open_run(tmp_path / "run").steps.dtype.names
+    names = ran(case, tmp_path / "run").steps.dtype.names
     assert not any("work" in name for name in names) and names[-1] == "left"
 
 

@@ -37,8 +37,8 @@ def finished(tmp_path_factory):
 
 @pytest.fixture
 def run(finished, tmp_path, monkeypatch, capfd):
-    """A copy of that run, in the current folder."""
-    shutil.copytree(finished, tmp_path / "run")
+    """A copy of that run beside its case, in the current folder."""
+    shutil.copytree(finished.parent, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     capfd.readouterr()
     return tmp_path / "run"
@@ -321,7 +321,6 @@ def test_a_case_of_a_newer_release_is_refused_in_plain_words(run, capfd):
 
 
 def test_overwrite_moves_the_old_run_aside(run, capfd):
-    (run.parent / "small.py").write_text(CASE)
     before = {path.relative_to(run): path.read_bytes() for path in run.rglob("*") if path.is_file()}
     words = ["run", "small.py", "-o", "run", "-q", "--set", "end_time=0.004"]
     assert entry.main(words) == 2
@@ -339,7 +338,6 @@ def test_overwrite_moves_the_old_run_aside(run, capfd):
 
 
 def test_a_folder_behind_a_link_is_moved_aside_under_its_own_name(run):
-    (run.parent / "small.py").write_text(CASE)
     (run.parent / "links").mkdir()
     (run.parent / "links" / "here").symlink_to(run)
     assert entry.main(["run", "small.py", "-o", "links/here", "-q", "--overwrite"]) == 0
@@ -347,7 +345,6 @@ def test_a_folder_behind_a_link_is_moved_aside_under_its_own_name(run):
 
 
 def test_a_script_is_told_how_to_move_the_old_run_aside(run):
-    (run.parent / "small.py").write_text(CASE)
     with pytest.raises(CaseError, match=r"run holds a run already: give another folder .* \(in Python: "
                                         r"overwrite=True\)"):
         run_alone(load("small.py"), "run")
@@ -359,7 +356,6 @@ OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.h
 
 @pytest.mark.parametrize("name", OCCUPIED)
 def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, capfd):
-    (run.parent / "small.py").write_text(CASE)
     theirs = run.parent / "theirs" / name
     theirs.parent.mkdir(parents=True)
     theirs.write_text("theirs")
@@ -378,7 +374,6 @@ def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, cap
 
 
 def test_a_link_and_a_run_without_its_case_are_in_the_way_too_but_empty_folders_are_not(run, capfd):
-    (run.parent / "small.py").write_text(CASE)
     (run / "case.json").unlink()
     (run.parent / "linked").mkdir()
     (run.parent / "linked" / "steps.csv").symlink_to("nowhere")
@@ -393,7 +388,6 @@ def test_a_link_and_a_run_without_its_case_are_in_the_way_too_but_empty_folders_
 
 
 def test_the_current_folder_is_not_moved_aside(run, monkeypatch, capfd):
-    (run.parent / "small.py").write_text(CASE)
     monkeypatch.chdir(run / "probes")
     before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
     for out in (".", ".."):
@@ -408,7 +402,6 @@ def test_a_folder_in_use_is_refused(run, capfd):
     from parisph.io.lock import Lock
 
     held = Lock(run)
-    (run.parent / "small.py").write_text(CASE)
     for words in (["restart", "run", "--until", "0.03"], ["run", "small.py", "-o", "run", "--overwrite"]):
         assert entry.main(words) == 5
         said = capfd.readouterr().err

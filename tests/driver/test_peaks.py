@@ -17,7 +17,7 @@ from parisph.io import reader
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests import watched
-from tests.scenes import assert_same, on_two_and_then, restart_alone, run_alone, scene
+from tests.scenes import assert_same, on_two_and_then, ran, restart_alone, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
@@ -170,14 +170,9 @@ def impact(end_time, **output):
         output=Output(**output))
 
 
-def done(case, folder):
-    run_alone(case, folder)
-    return reader.open_run(folder)
-
-
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    return done(impact(2.0), tmp_path_factory.mktemp("whole") / "run")
+    return ran(impact(2.0), tmp_path_factory.mktemp("whole") / "run")
 
 
 def greatest(found, name="P2"):
@@ -200,7 +195,7 @@ def test_the_flow_kept_is_that_of_the_maximum_in_the_series(whole):
 
 def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
     peak = whole.peak("P2")
-    snapshot = done(impact(1.8, times=(peak["time"],)), tmp_path / "run").snapshot(peak["time"])
+    snapshot = ran(impact(1.8, times=(peak["time"],)), tmp_path / "run").snapshot(peak["time"])
     for name in ("x", "u", "p", "role"):
         np.testing.assert_array_equal(peak[name], snapshot[name])
 
@@ -209,7 +204,7 @@ def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
                                                ({}, {"every": 50})])
 def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path, output, probe):
     case = impact(2.0, **output)
-    found = done(case.changed(probes=[one.model_copy(update=probe) for one in case.probes]), tmp_path / "run")
+    found = ran(case.changed(probes=[one.model_copy(update=probe) for one in case.probes]), tmp_path / "run")
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 
 
@@ -232,7 +227,7 @@ def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, t
 def test_ends_before_within_and_behind_it_leave_no_trace(whole, tmp_path):
     """At each end the flow kept is that of the series up to there, and of the whole series after the last one."""
     ends = whole.steps["time"][whole.peak("P2")["step"] + np.arange(-3, 5)]
-    done(impact(ends[0] / UNIT), tmp_path / "run")
+    ran(impact(ends[0] / UNIT), tmp_path / "run")
     for until in (*ends[1:], 2.0 * UNIT):
         agrees(reader.open_run(tmp_path / "run"))
         restart_alone(tmp_path / "run", until=until)
@@ -251,7 +246,7 @@ def test_within_a_window_it_is_the_greatest_there(whole, tmp_path, capsys):
     windows = {"before": series["time"][[k - 60, k - 3]], "behind": series["time"][[k + 3, k + 45]]}
     case = impact(2.0).changed(probes=[probes[0].model_copy(update={"name": name, "truth": Peaks(
         [PeakBand(start=start - 1e-9, end=end + 1e-9, when=start)])}) for name, (start, end) in windows.items()])
-    found = done(case, tmp_path / "run")
+    found = ran(case, tmp_path / "run")
     for name, (start, end) in windows.items():
         inside = (series["time"] >= start) & (series["time"] <= end)
         due = series[inside][np.nanargmax(series["pressure"][inside])]

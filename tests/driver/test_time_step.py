@@ -42,8 +42,7 @@ def still(gravity=(0.0, 0.0), velocity=(0.0, 0.0), walls=None, end_time=1.0, spa
 def steps_of(case, count):
     """Return the first steps [s] of a case."""
     s = simulated(case)
-    found = [s.advance().dt for _ in range(count)]
-    return found
+    return [s.advance().dt for _ in range(count)]
 
 
 def test_first_step_knows_the_acceleration_to_come():

@@ -34,8 +34,7 @@ def kicked(case, steps):
     p.u[fluid] += 1e-9 * np.random.default_rng(1).standard_normal((fluid.sum(), 2))
     for _ in range(steps):
         s.advance()
-    fastest = np.abs(p.u[p.kind == FLUID]).max()
-    return fastest
+    return np.abs(p.u[p.kind == FLUID]).max()
 
 
 @pytest.mark.parametrize("preset", ["violent", "gentle"])

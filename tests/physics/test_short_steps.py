@@ -5,7 +5,7 @@ import pytest
 
 from parisph.case.schema import Output
 from parisph.io import reader
-from tests.scenes import restart_alone, run_alone, scene, simulated
+from tests.scenes import ran, restart_alone, run_alone, scene, simulated
 
 ASKED = 0.3
 
@@ -42,8 +42,7 @@ def test_steps_shortened_alike_have_the_pressure_of_their_neighbours(tmp_path):
     def pressures(name, **sets):
         sets |= {"numerics.time_step": None, "output": Output()}
         case = scene("dam_break", spacing=0.05, end_time=2.45).changed(**sets)
-        run_alone(case, tmp_path / name)
-        found = reader.open_run(tmp_path / name)
+        found = ran(case, tmp_path / name)
         return found.steps, found.probe("P2")
     steps, plain = pressures("plain")
     dt = steps["dt"][-40]

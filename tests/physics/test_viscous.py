@@ -23,8 +23,7 @@ def order(coarse, fine):
 
 def profile(case):
     s = flows.run(case)
-    u = flows.middle(s)
-    return u
+    return flows.middle(s)
 
 
 def test_flow_that_a_lid_starts_between_walls():

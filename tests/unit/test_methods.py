@@ -125,8 +125,7 @@ def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
     simulation.domain.refresh()
     b = assembled(simulation, force * p.x_all, dt)
     deep = (p.role == INNER) & (np.abs(p.x - [0.25, 0.25]).max(axis=1) < 0.13)
-    found = dt * b[deep]
-    return found
+    return dt * b[deep]
 
 
 def test_a_short_step_removes_the_residual_divergence_in_proportion_to_its_strain():
