@@ -9,6 +9,7 @@ from mpi4py import MPI
 from parisph import CaseError, StoreError, driver
 from parisph import run as run_case
 from parisph.io.reader import open_run
+from tests.launch import contents
 from tests.scenes import scene
 
 COMM = MPI.COMM_SELF
@@ -46,10 +47,6 @@ def edit(run, /, seal=False, **values):
     return text
 
 
-def files(run):
-    return {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "run.log"}
-
-
 def test_edits_of_end_and_output_are_taken_and_the_edited_text_is_kept(run):
     text = edit(run, end_time=0.03, title="Longer", output__every=0.005)
     driver.restart(run, COMM, progress=False)
@@ -83,11 +80,11 @@ def test_until_goes_before_an_edited_end_and_other_edits_that_are_taken(run, val
 @pytest.mark.parametrize("elsewhere", [False, True])
 def test_other_edits_are_refused_with_two_remedies(run, tmp_path, values, says, elsewhere):
     edit(run, **values)
-    before = files(run)
+    before = contents(run, but="run.log")
     with pytest.raises(CaseError, match=f"(?s)case.json was edited: {says}.*\\.\nA restart takes edits of end_time, "
                                         ".*from its start: parisph run .*case.json -o DIR\n.*move"):
         driver.restart(run, COMM, until=0.03, progress=False, out=tmp_path / "other" if elsewhere else None)
-    assert files(run) == before and not (tmp_path / "other").exists()
+    assert contents(run, but="run.log") == before and not (tmp_path / "other").exists()
 
 
 def test_the_remedies_of_a_refusal_work(run, tmp_path):
@@ -101,10 +98,10 @@ def test_the_remedies_of_a_refusal_work(run, tmp_path):
 
 def test_a_digest_that_does_not_fit_says_what_to_do(run):
     edit(run, seal=True, end_time=0.03)
-    before = files(run)
+    before = contents(run, but="run.log")
     with pytest.raises(StoreError, match='does not match its digest, or it was edited: then remove the line "digest"'):
         driver.restart(run, COMM, progress=False)
-    assert files(run) == before
+    assert contents(run, but="run.log") == before
     edit(run)    # as it says
     assert driver.restart(run, COMM, progress=False)["time"] == pytest.approx(0.03)
 
@@ -126,10 +123,10 @@ def test_what_parisph_wrote_itself_is_no_edit(run):
     ({"end_time": 0.01}, "is of 0.02 s already")])
 def test_an_edit_that_is_wrong_is_named(run, values, says):
     edit(run, **values)
-    before = files(run)
+    before = contents(run, but="run.log")
     with pytest.raises((CaseError, StoreError), match=says):
         driver.restart(run, COMM, progress=False)
-    assert files(run) == before
+    assert contents(run, but="run.log") == before
 
 
 def test_the_line_of_the_digest_can_be_removed_as_the_message_says(run):

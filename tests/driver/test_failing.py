@@ -11,7 +11,7 @@ from mpi4py import MPI
 from parisph import CaseError, StoreError, load, run
 from parisph import __main__ as entry
 from parisph.io import checkpoint
-from tests.launch import mpirun
+from tests.launch import contents, mpirun
 
 CASE = '''
 from parisph import Box, Case, Energy, Fluid, Numerics, Output, PressureTap, Tank, Volume
@@ -210,10 +210,6 @@ def test_restart_of_what_is_finished(folder, capfd):
     assert "--until" in fails(["restart", "run", "--until", "nan"], capfd, 2)
     assert "/proc/run" in fails(["restart", "run", "--until", "0.03", "-o", "/proc/run"], capfd, 5)
     assert {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")} == before
-
-
-def contents(folder):
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
