@@ -1,7 +1,6 @@
 """run and restart, whole, as a user does them from a shell."""
 
 import json
-import os
 
 import pytest
 
@@ -50,13 +49,6 @@ def test_petsc_options_reach_the_solver(place):
     assert "KSP Object: (pressure_)" in done.stdout
 
 
-def test_the_stored_case_runs_as_it_is(place):
-    assert parisph("run", "dam.py", "-q", "-o", "a", timeout=200, cwd=place).returncode == 0
-    assert parisph("run", "a/case.json", "-q", "-o", "b", timeout=200, cwd=place).returncode == 0
-    again = summary(place / "b")
-    assert again["steps"] == 20 and again["case"] == "small dam"
-
-
 FAULT = '''
 import sys
 from parisph.__main__ import main
@@ -103,11 +95,3 @@ def test_a_fault_of_the_warm_up_is_told_by_all_with_its_traceback(place):
     assert done.returncode == 1 and "parisph: error: rank 0: KeyError: 'no such compiler'" in done.stderr
     assert "Traceback" in done.stderr and "in fails" in done.stderr
     assert not (place / "runs").exists()
-
-
-def test_check_says_what_it_takes(place):
-    done = succeeded(parisph("check", "dam.py", cwd=place, timeout=120))
-    assert "--set       end_time=0.1\n" in done.stdout
-    for words in ("small dam", "particles", "stages", "steps       20 of 0.005 s", "memory"):
-        assert words in done.stdout
-    assert os.listdir(place) == ["dam.py"]

@@ -61,6 +61,7 @@ def laptop(hide):
 def test_checking_and_looking_need_no_mpi(stored, laptop, tmp_path, words, says):
     done = parisph(*(str(word).replace("RUN", str(stored)) for word in words), cwd=tmp_path, **laptop)
     assert done.returncode == 0 and says in done.stdout, done.stdout + done.stderr
+    assert words[0] != "check" or not list(tmp_path.iterdir())
 
 
 OFFERED = """

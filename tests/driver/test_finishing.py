@@ -72,11 +72,6 @@ def test_killed_before_its_summary(run):
         assert after[name] == pytest.approx(before[name]) if name != "run" else after[name] == before[name]
 
 
-def test_a_complete_run_stays_as_it_is(run, capfd):
-    assert restart() == 2
-    assert "ask for more with --until" in capfd.readouterr().err
-
-
 @pytest.mark.parametrize("left", [
     ("case.json",), ("case.json", "steps.csv", "probes", "snapshots/000000.vtkhdf", "flow.hdf.series")])
 def test_killed_before_its_first_checkpoint(run, left):

@@ -208,17 +208,24 @@ def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path, 
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 
 
-@pytest.mark.parametrize("stop", [1.2, 1.9])
-def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, tmp_path, stop):
-    assert (1.2 < whole.peak("P2")["time"] / UNIT < 1.9)
-    on_two_and_then(3, "from parisph import driver\nfrom tests.driver.test_peaks import impact",
-                    f"driver.run(impact({stop}), comm, 'run', progress=False)",
-                    f"if comm.rank == 2:\n"
-                    f"    driver.restart('run', MPI.COMM_SELF, until={2.0 * UNIT!r}, out='elsewhere', progress=False)\n"
-                    f"comm.Barrier()\n"
-                    f"driver.restart('run', comm, until={2.0 * UNIT!r}, progress=False)", tmp_path)
+FIRST = """
+for stop in (1.2, 1.9):
+    driver.run(impact(stop), comm, f"run{stop}", progress=False)
+"""
+THEN = f"""
+for stop in (1.2, 1.9):
+    if comm.rank == 2:
+        driver.restart(f"run{{stop}}", MPI.COMM_SELF, until={2.0 * UNIT!r}, out=f"elsewhere{{stop}}", progress=False)
+    comm.Barrier()
+    driver.restart(f"run{{stop}}", comm, until={2.0 * UNIT!r}, progress=False)
+"""
+
+
+def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, tmp_path):
     due = whole.peak("P2")
-    for folder in ("run", "elsewhere"):
+    assert 1.2 < due["time"] / UNIT < 1.9
+    on_two_and_then(3, "from parisph import driver\nfrom tests.driver.test_peaks import impact", FIRST, THEN, tmp_path)
+    for folder in ("run1.2", "run1.9", "elsewhere1.2", "elsewhere1.9"):
         found = reader.open_run(tmp_path / folder).peak("P2")
         assert found["step"] == due["step"] and found["peak"] == pytest.approx(due["peak"], rel=1e-5)
         assert_same(due, found, 1e-5)

@@ -10,19 +10,9 @@ from parisph.base import vocabulary
 from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Fluid, Numerics
+from parisph.methods import parts as known
 from parisph.methods import regularising, sources
 from parisph.methods.catalogue import Parts
-from parisph.methods.parts import (
-    DIVERGENCES,
-    FORCES,
-    GRADIENTS,
-    LAPLACIANS,
-    REGULARISERS,
-    SOURCES,
-    SURFACE_GRADIENTS,
-    SURFACES,
-    WALL_ROWS,
-)
 from parisph.methods.stepping import STEPPINGS
 from parisph.methods.surfaces import classify
 from tests.scenes import simulated, water
@@ -36,8 +26,8 @@ def test_every_method_that_a_case_may_ask_for_is_known():
 
 
 def test_the_words_of_cases_are_those_of_the_parts():
-    for registry in (LAPLACIANS, DIVERGENCES, GRADIENTS, SURFACE_GRADIENTS, WALL_ROWS, SURFACES, SOURCES, FORCES,
-                     REGULARISERS):
+    for registry in (known.LAPLACIANS, known.DIVERGENCES, known.GRADIENTS, known.SURFACE_GRADIENTS, known.WALL_ROWS,
+                     known.SURFACES, known.SOURCES, known.FORCES, known.REGULARISERS):
         assert set(vocabulary.known(registry.what)) == set(registry)
     assert set(vocabulary.known("stepping")) == set(STEPPINGS)
 
@@ -96,7 +86,7 @@ def test_errors_of_opposite_signs_compensate_and_others_add_up(monkeypatch):
     monkeypatch.setattr(sources, "compression", lambda flow, alpha: alpha - 1.0)
     flow = SimpleNamespace(density=1000.0, particles=SimpleNamespace(alpha=1.0 + e, n_owned=4, u_all=None),
                            rows=SimpleNamespace(div=np.full(4, 0.3), divergence=lambda out, u: np.copyto(out, before)))
-    target = SOURCES["compensating"].target(flow, 0.01)
+    target = known.SOURCES["compensating"].target(flow, 0.01)
     np.testing.assert_allclose(target * 0.01 / 1000.0, [0.3, 0.4, 0.2, 0.3])
 
 
