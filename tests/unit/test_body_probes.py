@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Case, CaseError, Disc, Fluid, Force, Numerics, Polygon, PressureTap, RunUp, Tank
 from parisph.case.bodies import Obstacle, Piston, Profile, StillWater
@@ -38,7 +37,7 @@ def linear(arrays):
 def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
     about = (0.1, -0.3)
     probe = Force("load", on="stone", about=about, still=LEVEL)
-    watch = Watch(scene([probe], Obstacle(shape, name="stone")), MPI.COMM_SELF, linear)
+    watch = Watch(scene([probe], Obstacle(shape, name="stone")), change=linear)
     fx, fy, moment, *dynamic = watch.sample()["load"]
     lift, arm = -GRADIENT * area, np.array(centre) - about
     np.testing.assert_allclose((fx, fy), lift, rtol=1e-9)
@@ -119,10 +118,10 @@ def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side,
     basin = Profile([(0.0, 0.6), (0.6, 0.0), (1.4, 0.0), (2.0, 0.6)], name="basin")
     case = water(StillWater(0.3), (basin, Obstacle(Box(0.2, 0.1, at=(0.9, 0.0)))), 0.025,
                  probes=[RunUp("up", on="basin", side=side)])
-    assert Watch(case, MPI.COMM_SELF).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
+    assert Watch(case).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
     hill = Profile([(0.0, 0.0), (2.0, 0.6)], name="hill")
     with pytest.raises(CaseError, match="side = 'left': hill is lowest at this end"):
-        Watch(case.changed(walls=(hill,), probes=[RunUp("up", on="hill", side="left")]), MPI.COMM_SELF)
+        Watch(case.changed(walls=(hill,), probes=[RunUp("up", on="hill", side="left")]))
 
 
 @pytest.mark.parametrize("probe, message", [

@@ -198,14 +198,15 @@ def test_surface_keeps_its_particles_on_the_way_down():
 # -- walls ---------------------------------------------------------------------------------------------
 
 
-def test_elements_close_the_gap_at_a_wall_of_few_particles():
-    # fluid along a wall whose particles are three times as far apart: its elements stand for it
+# fluid along a wall whose particles are three or four times as far apart: its elements stand for it
+@pytest.mark.parametrize(("every", "find"), [
+    (3, lambda pool: by_gap(pool, alpha=np.ones(pool.n))),
+    (4, lambda pool: by_auxiliary(pool, np.where(pool.fluid & (np.arange(pool.n) % 2 == 0), SURFACE, INNER),
+                                  np.ones(pool.n)))])
+def test_elements_close_the_gap_and_occupy_quadrants_at_a_wall_of_few_particles(every, find):
     pool = tank((12, 10))
-    keep = pool.fluid | (pool.index % 3 == 0).any(axis=1)
-    sparse = part(pool, keep)
-    role = by_gap(sparse, alpha=np.ones(sparse.n))
-    deep = sparse.fluid & (sparse.index[:, 1] < 10)
-    assert np.all(role[deep] == INNER)
+    sparse = part(pool, pool.fluid | (pool.index % every == 0).any(axis=1))
+    assert np.all(find(sparse)[sparse.fluid & (sparse.index[:, 1] < 10)] == INNER)
 
 
 def test_drop_touching_a_wall_is_surface_all_round():
@@ -315,15 +316,6 @@ def test_particle_in_the_same_place_occupies_no_quadrant():
     pool = free(np.vstack([around(170, 190, 200).index, [[0.0, 0.0]]]))
     was = np.array([INNER, INNER, INNER, SURFACE, INNER])
     assert by_auxiliary(pool, was, np.ones(5))[0] == SURFACE
-
-
-def test_what_is_across_a_wall_occupies_quadrants():
-    pool = tank((12, 10))
-    keep = pool.fluid | (pool.index % 4 == 0).any(axis=1)
-    sparse = part(pool, keep)
-    was = np.where(sparse.fluid & (np.arange(sparse.n) % 2 == 0), SURFACE, INNER)
-    role = by_auxiliary(sparse, was, np.ones(sparse.n))
-    assert np.all(role[sparse.fluid & (sparse.index[:, 1] < 10)] == INNER)
 
 
 # -- density rule --------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import ColumnHeight, Force, PressureTap, ProbeArray, RunUp, SurfaceGauge, VelocityPoint
 from parisph.base.errors import CaseError
@@ -18,11 +17,11 @@ S, DEPTH = 0.05, 0.5
 
 
 def value(probe, change=None, **options):
-    return only(Watch(scene([probe], **options), MPI.COMM_SELF, change).sample())
+    return only(Watch(scene([probe], **options), change=change).sample())
 
 
 def values(probe, change=None, **options):
-    found, = Watch(scene([probe], **options), MPI.COMM_SELF, change).sample().values()
+    found, = Watch(scene([probe], **options), change=change).sample().values()
     return found
 
 
@@ -138,7 +137,7 @@ def test_a_torn_film_is_one_where_its_particles_are_no_farther_apart_than_in_the
 
 def test_at_a_vertical_side_there_is_no_film():
     with pytest.raises(CaseError, match="'up': film = 0.01 m is of no use at a vertical side"):
-        Watch(scene([RunUp("up", side="left", film=0.01)]), MPI.COMM_SELF)
+        Watch(scene([RunUp("up", side="left", film=0.01)]))
 
 
 @pytest.mark.parametrize("side, x", [("left", 0.0), ("right", 1.0)])
@@ -200,7 +199,7 @@ ARRAY = ProbeArray("several", [
 
 def test_an_array_has_the_columns_of_its_probes_and_their_values():
     options = {"elevation": "0.05*cos(pi*x)", "velocity": ("0.3 + y", "-x")}
-    watch = Watch(scene([ARRAY, *ARRAY.probes], **options), MPI.COMM_SELF, hydrostatic)
+    watch = Watch(scene([ARRAY, *ARRAY.probes], **options), change=hydrostatic)
     found = watch.sample()
     assert list(watch.samplers[0].columns) == ["x1", "x2", "c", "u_u", "u_v", "u_p", "p", "load_fx", "load_fy",
                                                "load_moment"]
