@@ -7,6 +7,7 @@ from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WET
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Case, Disc, Fluid, Numerics, Tank
 from tests.scenes import run_alone, scene, simulated, water
+from tests.solid_scenes import errors_at_rest
 
 G, DENSITY = 9.81, 1000.0
 STEPS = 1000
@@ -15,14 +16,7 @@ STEPS = 1000
 @pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
 def test_open_tank(jitter):
     """Depth 1 m: u in sqrt(gd), p in rho g d, over 10 sqrt(d/g)."""
-    s = simulated(scene("hydrostatic", jitter=jitter))
-    speed, error = np.empty(STEPS), np.empty(STEPS)
-    for n in range(STEPS):
-        s.advance()
-        p = s.particles
-        speed[n] = np.abs(p.u[p.kind == FLUID]).max() / np.sqrt(G)
-        wet = p.role != DRY
-        error[n] = np.abs(p.p - DENSITY * G * np.maximum(1.0 - p.x[:, 1], 0.0))[wet].max() / (DENSITY * G)
+    speed, error = errors_at_rest(scene("hydrostatic", jitter=jitter), "tank", STEPS)
     assert speed.max() <= 1e-10 and error.max() <= 1e-8    # of solves to 1e-9: 4e-11, 9e-10
     # nothing grows: the last fifth is no worse than the second
     fifth = STEPS // 5

@@ -245,13 +245,10 @@ def test_only_tanks_that_turn_pay():
         assert ("coriolis" in [part.name for part in simulation.method.parts.forces]) == there
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
-        ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "words"), [
+    ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
+    ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
+])
 def test_refused(changes, words):
     with pytest.raises(CaseError, match=words):
         scene(Fluid(Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))), 1000.0), Roll(0.1, 2.0), **changes)

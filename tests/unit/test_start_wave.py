@@ -59,24 +59,21 @@ def test_slices_json_and_estimates():
     assert 0.5 * expected(case).wave.height == pytest.approx(0.03, rel=0.5) and expected(still).wave is None
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: scene(shape=Disc(0.3)), "only a Box or StillWater has a top to raise; leave it out for a Disc"),
-        (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
-        (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
-        (
-            lambda: scene(Airy(0.01, 1.0, 0.4)),
-            "wave.depth = 0.4: must be the height of the Box, 0.3; change one of them",
-        ),
-        (
-            lambda: scene(SolitaryWave(0.06, 0.3, g=1.6)),
-            r"fluid.wave.g = 1.6: the gravity of the case must be \(0, -1.6\); change one of them",
-        ),
-        (lambda: scene().changed(walls=Tank(6.0, 0.33)), "fluid.wave = solitary: raises the surface to 0.3[56]"),
-        (lambda: scene({"kind": "cnoidal"}), "must be of a known kind"),
-    ],
-)
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: scene(shape=Disc(0.3)), "only a Box or StillWater has a top to raise; leave it out for a Disc"),
+    (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
+    (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
+    (
+        lambda: scene(Airy(0.01, 1.0, 0.4)),
+        "wave.depth = 0.4: must be the height of the Box, 0.3; change one of them",
+    ),
+    (
+        lambda: scene(SolitaryWave(0.06, 0.3, g=1.6)),
+        r"fluid.wave.g = 1.6: the gravity of the case must be \(0, -1.6\); change one of them",
+    ),
+    (lambda: scene().changed(walls=Tank(6.0, 0.33)), "fluid.wave = solitary: raises the surface to 0.3[56]"),
+    (lambda: scene({"kind": "cnoidal"}), "must be of a known kind"),
+])
 def test_bad_input(make, words):
     with pytest.raises(CaseError, match=words):
         make()
