@@ -220,7 +220,7 @@ def test_restart_removes_no_results(folder, capfd, ranks):
     before = contents(folder)
     assert "other holds a run already" in fails(["restart", "run", "--until", "0.05", "-o", "other"], capfd, 2, ranks)
     older, last = checkpoint.paths("run/checkpoints")
-    for words in ([], ["-o", "run"], ["-o", "other/../run"]):
+    for words in ([], ["-o", "run"], ["-o", "other/../run"])[:3 if ranks == 1 else 1]:
         said = fails(["restart", str(older), "--until", "0.02", *words], capfd, 2, ranks)
         assert str(older) in said and str(last) in said and "-o DIR" in said
     assert contents(folder) == before

@@ -68,8 +68,10 @@ SPREAD_ONCE = "s.domain.tolerated = np.inf"
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("uneven")
-    for name, change in (("even", ""), ("again", ""), ("uneven", SPREAD_ONCE)):
-        on_ranks(2, FALLING.format(name=name, change=change), folder)
+    even, again, uneven = (FALLING.format(name=name, change=change)
+                           for name, change in (("even", ""), ("again", ""), ("uneven", SPREAD_ONCE)))
+    on_ranks(2, even + uneven, folder)
+    on_ranks(2, again, folder)
     return {name: np.load(folder / f"{name}.npz") for name in ("even", "again", "uneven")}
 
 
