@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-# Type checkers read this list, so it is written out.
+# Written out for type checkers.
 __all__ = [
     "__version__",
     "Case", "Fluid", "StillWater", "Box", "Disc", "Polygon", "Tank", "Lid", "Profile", "Obstacle", "Plate", "Piston",
@@ -41,8 +41,8 @@ __all__ = [
 ]
 
 if not TYPE_CHECKING:
-    # Names are loaded when first asked for, so that `import parisph` costs nothing, and describing a case needs neither
-    # MPI nor PETSc. The module of a kind of probe is named after its class.
+    # Names are loaded on first use, so that `import parisph` is fast, and cases need neither MPI nor PETSc. The module
+    # of a kind of probe is named after its class.
     _PUBLIC = {
         **dict.fromkeys(__all__[1:], "parisph.case.schema"),
         **{path.stem.removesuffix("_probe").title().replace("_", ""): f"parisph.watch.probes.{path.stem}"

@@ -18,9 +18,9 @@ from parisph.base.text import clipped, of_error, plain_lines
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-STOPPABLE = ("run", "restart")    # the verbs that a signal stops properly
-LATER = 0.3        # [s] in which the launcher ends a rank if rank 0 has the same fault, and has told it
-WIDEST = 380       # characters of a line of a message
+STOPPABLE = ("run", "restart")    # verbs that a signal stops properly
+LATER = 0.3        # [s] in which the launcher ends a rank if rank 0 has reported the same fault
+WIDEST = 380       # most characters of a line of a message
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -29,17 +29,17 @@ def main(words: Sequence[str] | None = None) -> int:
     output.open_closed()
     own, words = words is None, sys.argv[1:] if words is None else words
     if own:
-        atexit.register(gc.freeze)    # no search for garbage at exit, which costs .3 s
+        atexit.register(gc.freeze)    # saves .3 s: no garbage collection at exit
     with ExitStack() as stack:
         try:
             surroundings.check()
             if words and words[0] in STOPPABLE:
                 signals = stack.enter_context(_signals())
                 if own:
-                    stack.pop_all()    # they stay in force until the interpreter ends,
-                    atexit.register(signals.ignore)    # which would die of one more, with another exit code
-                    # Nearly all that a start makes stays: no search for garbage before the end of the first step, which
-                    # knows by the frozen objects that it is to enable the search.
+                    stack.pop_all()    # handlers stay until the interpreter ends,
+                    atexit.register(signals.ignore)    # as a signal would then change the exit code
+                    # Nearly all objects of a start stay: no garbage collection until the end of the first step, which
+                    # enables it if objects are frozen.
                     gc.freeze()
                     gc.disable()
             from parisph import cli
@@ -63,7 +63,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _signals() -> Signals:
-    """Return the Signals of this process, for a start in which MPI is not up yet."""
+    """Return the Signals of this process before MPI is initialised."""
     signals = Signals()
     signals.rank, size = environment.launched()
     if size > 1:
@@ -74,9 +74,8 @@ def _signals() -> Signals:
 def _fail(error: BaseException, words: Sequence[str]) -> int:
     """Print an error, wait for the other ranks, return the exit code.
 
-    parisph's own errors are on all ranks, and rank 0 prints them. Any other error is a fault, possibly
-    on this rank only, while the others wait for it in a collective call: this rank prints it with the
-    traceback and ends all ranks.
+    Errors of parisph are on all ranks, and rank 0 prints them. Any other error is a fault, possibly on this rank only,
+    while the others wait in a collective call: this rank prints it with the traceback and ends all ranks.
     """
     meant = isinstance(error, (ParisphError, KeyboardInterrupt)) and not unforeseen(error)
     first, comm = environment.is_first(), _running_world()
@@ -96,11 +95,11 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
 
 
 def _say(error: BaseException, trace: bool) -> None:
-    """Print an error; do nothing if standard error cannot be written."""
+    """Print an error, if standard error can be written."""
     meant = isinstance(error, (ParisphError, KeyboardInterrupt))
     text = str(error) or "interrupted" if meant else (
         f"{type(error).__name__}: {of_error(error)} (a fault in parisph or in a library)")
-    # Names of files and texts of stored runs may hold anything, at any length; the terminal gets little of it.
+    # names of files and texts of stored runs may be of any length
     text = "\n".join(clipped(line, WIDEST) for line in plain_lines(text).split("\n"))
     with suppress(OSError):
         if trace:
@@ -109,7 +108,7 @@ def _say(error: BaseException, trace: bool) -> None:
 
 
 def _running_world() -> "MPI.Comm | None":
-    """Return the communicator of all ranks if there are several and MPI is up, else None."""
+    """Return the communicator of all ranks if there are several and MPI is initialised, else None."""
     if "mpi4py.MPI" not in sys.modules:
         return None
     from mpi4py import MPI

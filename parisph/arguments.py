@@ -1,4 +1,4 @@
-"""Checks of single words of the command line, before they are used."""
+"""Checks of single words of the command line."""
 
 import argparse
 import math
@@ -19,7 +19,7 @@ def check(words: Iterable[str]) -> None:
 
 
 def path(word: str) -> str:
-    """Return a word that can be a path. For argparse, which adds the name of the argument to errors."""
+    """Return a word, which can be a path. For argparse, which adds the name of the argument to errors."""
     problem = paths.fault(word)
     if problem:
         raise argparse.ArgumentTypeError(f"{shown(word)}: {problem}")

@@ -1,4 +1,4 @@
-"""Understand a command line, and have its verb done."""
+"""Parse a command line and execute its verb."""
 
 import argparse
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
     cut = words.index("--") if "--" in words else len(words)
     ours, petsc = list(words[:cut]), list(words[cut + 1:])
     args, unknown = parser.build().parse_known_args(ours)
-    if getattr(args, "set", None):    # --set a=1 b=2 means what --set a=1 --set b=2 does
+    if getattr(args, "set", None):    # --set a=1 b=2 is --set a=1 --set b=2
         more = [word for word in unknown if "=" in word and not word.startswith("-")]
         args.set += more
         unknown = [word for word in unknown if word not in more]
@@ -33,14 +33,14 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
 
 
 def _hint(word: str) -> str:
-    """Return a hint if an unknown word is an option for PETSc, as the end of a message; else nothing."""
+    """Return a hint, as the end of a message, if an unknown word is an option for PETSc; else ""."""
     if word.startswith("-log"):
         return f"; {_early(word)}"
     return "; options for PETSc come after a lone --" if word.startswith(("-pressure_", "-ksp", "-pc")) else ""
 
 
 def _check_petsc(words: Sequence[str]) -> None:
-    """Raise CaseError for words after the lone -- that would have no effect there."""
+    """Raise CaseError for words after the lone -- that have no effect there."""
     for word in words:
         if word.startswith("--") or word in ("-o", "-q", "-h"):
             raise CaseError(f"{named(word, 80)} is after the lone --, where only options for PETSc are allowed, "

@@ -19,12 +19,12 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
     for action in _actions(parser):
         found = files.get(action.dest) or files.get(str(action.metavar))
         if found:
-            setattr(action, "complete", found)    # where shtab looks for it
+            setattr(action, "complete", found)    # read by shtab
     return shtab.complete(parser, shell=shell)
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """All arguments of a parser and of its verbs."""
+    """Yield all arguments of a parser and of its verbs."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):

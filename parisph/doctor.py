@@ -1,7 +1,7 @@
 """Check whether parisph can run on this machine: library versions, compiled kernels, and a real solve on two ranks.
 
-Each library is loaded in a separate process with a time limit, so that one that hangs or crashes is
-reported like any other problem.
+Each library is loaded in a separate process with a time limit, so that a crash or a hang is reported like any other
+problem.
 """
 
 import json
@@ -28,11 +28,11 @@ LIMIT = 60.0              # [s] for each process
 EXACT = 1e-6              # largest relative error of the trial solve, whose tolerance is 1e-10
 OLDEST_PETSC = (3, 18)
 
-NOT_ON_A_LAPTOP = ("MPI", "PETSc", "HDF5")    # which may do without
+NOT_ON_A_LAPTOP = ("MPI", "PETSc", "HDF5")    # may be absent where no case runs
 
 PACKAGES = "run_scripts/setup installs it on Debian; on a cluster load its module"
 
-Answer: TypeAlias = dict[str, Any]               # of a process that loads one library
+Answer: TypeAlias = dict[str, Any]               # of a process that has loaded a library
 Judgement: TypeAlias = tuple[bool, str, str]     # ok, detail and remedy of a Finding
 
 
@@ -40,7 +40,7 @@ Judgement: TypeAlias = tuple[bool, str, str]     # ok, detail and remedy of a Fi
 class Finding:
     """The result of one check; `remedy` says what to do if it is not ok.
 
-    absent : whether a library is not installed, which is no problem where parisph can do without
+    absent : whether a library is not installed; a laptop needs only some
     """
 
     name: str
@@ -51,7 +51,7 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Return the list of Findings about this machine. Not collective: starts its own ranks."""
+    """Return the Findings about this machine. Not collective: starts its own ranks."""
     findings = [Finding("python", True, f"{sys.version.split()[0]}, {sys.executable}")]
     findings += _of_numpy([finding for entry in _LIBRARIES for finding in _library(*entry)])
     launcher = shutil.which("mpirun") or shutil.which("mpiexec")
@@ -86,7 +86,7 @@ def report(findings: Sequence[Finding]) -> str:
 
 
 def _cannot_run(findings: Sequence[Finding]) -> bool:
-    """Return whether neither MPI nor PETSc is installed, as on a laptop that is to look at runs."""
+    """Return whether neither MPI nor PETSc is installed, as on a laptop for looking at runs."""
     return {"MPI", "PETSc"} <= {finding.name for finding in findings if finding.absent}
 
 
@@ -113,9 +113,9 @@ def _is_there(name: str) -> bool:
 def trial(comm: "MPI.Comm") -> dict[str, Any]:
     """Solve a small system, write a file together and read it again. Collective.
 
-    Uses the current folder, which all ranks must share. Returns a dict with "ranks",
-    "iterations", "error" and "file" (whether the file was read as written), the same on every rank.
-    Raises SolverDiverged, or StoreError when the file cannot be written or read, on every rank.
+    Uses the current folder, which all ranks must share. Returns "ranks", "iterations", "error" and "file" (whether the
+    file was read as written) as a dict, the same on every rank. Raises SolverDiverged, or StoreError if the file cannot
+    be written or read, on every rank.
     """
     from parisph.pressure import trial as pressure
 
@@ -124,7 +124,7 @@ def trial(comm: "MPI.Comm") -> dict[str, Any]:
     return result
 
 
-# ---- one library each, loaded in a separate process (`python -m parisph.doctor NAME`)
+# ---- a library in a separate process (`python -m parisph.doctor NAME`)
 
 def _ask_numpy() -> Answer:
     import numpy
@@ -148,7 +148,7 @@ def _ask_mpi() -> Answer:
 
 
 def _ask_petsc() -> Answer:
-    if not _is_there("petsc4py"):    # the import would first miss mpi4py, which it needs
+    if not _is_there("petsc4py"):    # the import would first complain about mpi4py
         raise ModuleNotFoundError("No module named 'petsc4py'")
     from parisph.pressure import trial as pressure
 
@@ -164,7 +164,7 @@ def _ask_hdf5() -> Answer:
 _QUESTIONS = {"numpy": _ask_numpy, "numba": _ask_numba, "MPI": _ask_mpi, "PETSc": _ask_petsc, "HDF5": _ask_hdf5}
 
 
-# ---- the answers are judged here: answer -> (ok, detail, remedy), each for a Finding
+# ---- judges: answer -> (ok, detail, remedy) of a Finding
 
 def _judge_numba(answer: Answer) -> Judgement:
     return answer["works"], answer["version"] + ("" if answer["works"] else ", makes wrong machine code"), (
@@ -172,7 +172,7 @@ def _judge_numba(answer: Answer) -> Judgement:
 
 
 def _judge_kernels(answer: Answer) -> Judgement:
-    """Judge the cache of compiled kernels, of which numba's answer tells."""
+    """Judge the cache of compiled kernels, from the answer of numba."""
     count, damaged, write = answer["kernels"], len(answer["damaged"]), answer["write"]
     detail = f"{count} compiled, {amount(answer['bytes'])}" if count else "none compiled yet"
     if damaged:
@@ -180,7 +180,7 @@ def _judge_kernels(answer: Answer) -> Judgement:
     if write is None:
         places = f" in {' and '.join(answer['read'])}" if count else ""
         return count > 0, f"{detail}{places}; there is no folder that can be written for further ones", (
-            "set NUMBA_CACHE_DIR to a folder that you can write: else every run compiles for a minute")
+            "set NUMBA_CACHE_DIR to a folder that you can write; without it every run compiles for a minute")
     where = f", in {write}" if count else f"; the first run takes a minute for it, and writes to {write}"
     return True, f"{detail}{where}", ""
 
@@ -200,7 +200,7 @@ def _judge_hdf5(answer: Answer) -> Judgement:
     return True, f"{answer['version']}, {kind}; h5py {answer['h5py']}", ""
 
 
-# (name, module in Python, {what a Finding is about: judge}, remedy if it cannot be loaded)
+# (name, Python module, {name of a Finding: its judge}, remedy if it cannot be loaded)
 _LIBRARIES = (
     ("numpy", "numpy", {"numpy": lambda answer: (True, answer["version"], "")}, "pip install numpy"),
     ("numba", "numba", {"numba": _judge_numba, "kernels": _judge_kernels},
@@ -224,7 +224,7 @@ def _library(name: str, module: str, judges: Mapping[str, Callable[[Answer], Jud
 
 
 def _of_numpy(findings: list[Finding]) -> list[Finding]:
-    """Return the findings, with those of libraries that were compiled for another numpy turned into one about it."""
+    """Return the findings, with one about numpy if libraries were compiled for another one."""
     unfit = [finding.name for finding in findings if not finding.ok and surroundings.is_another_numpy(finding.detail)]
     if not unfit:
         return findings
@@ -242,7 +242,7 @@ def _of_numpy(findings: list[Finding]) -> list[Finding]:
 
 
 def _two_ranks(launcher: str) -> Finding:
-    """Return the Finding about a solve and a file of two ranks, which use the loopback interface."""
+    """Return the Finding about a solve and a file of two ranks, on the loopback interface."""
     try:
         answer = _run([launcher, "-n", "2", sys.executable, "-m", "parisph", "doctor", "--trial"])
     except ParisphError as error:

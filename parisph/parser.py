@@ -10,7 +10,7 @@ from parisph.base.errors import CaseError
 from parisph.base.text import clipped, plain
 
 FORCE = "Use DIR although run.lock names a process on another host or in another container, which may still write to it"
-QUIET = "Show neither progress nor that kernels are compiled; warnings are still shown"
+QUIET = "Show no progress, also of the compilation of kernels; warnings are still shown"
 EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
 
 
@@ -22,7 +22,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(add_help=False, **options)
-        self._negative_number_matcher = re.compile(r"-\.?\d")    # argparse knows none with an exponent, nor -1/40
+        self._negative_number_matcher = re.compile(r"-\.?\d")    # argparse's has no exponent, nor -1/40
         self.add_argument("-h", "--help", action="help", help="Show this help and exit")
 
     def error(self, message: str) -> NoReturn:
@@ -34,7 +34,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def build() -> argparse.ArgumentParser:
-    """Return the parser of the command line, which stores the verb as `verb` and raises CaseError with the usage."""
+    """Return the parser of the command line. It stores the verb as `verb`, and raises CaseError with the usage."""
     parser = _Parser(prog="parisph",
                      description="Compute violent water waves by incompressible SPH, on any number of MPI ranks.",
                      epilog=EXIT_CODES, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -98,7 +98,7 @@ def _study(verbs: Verbs) -> None:
                       help="Set parameters of all runs, such as --set end_time=2 numerics.gamma=0.01")
     verb.add_argument("-j", "--jobs", type=arguments.count, default=1, metavar="J",
                       help="Make J runs at once (default: 1)")
-    verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds on the clock")
+    verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds of wall time")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write the study to this folder (default: studies/NAME, named after FILE)")
     _add_progress(verb)

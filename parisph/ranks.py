@@ -1,4 +1,4 @@
-"""What a command does on several ranks: each does it, or the first alone, and an error on one is raised on all."""
+"""Actions of a command on all ranks or on the first alone. An error on one rank is raised on all."""
 
 import signal
 from collections.abc import Callable
@@ -15,10 +15,7 @@ Result = TypeVar("Result")
 
 
 def everywhere(action: Callable[[], Result]) -> Result:
-    """Return action(), done by each rank separately. An error on one rank is raised on all.
-
-    Collective, but without mpirun it needs no MPI.
-    """
+    """Return action() of each rank; an error on one is raised on all. Collective; needs MPI only under mpirun."""
     if environment.launched()[1] == 1:
         return action()
     result: Result | None = None
@@ -43,13 +40,13 @@ def on_first(action: Callable[[], Result]) -> Result:
             result = action()
         except ParisphError as problem:
             error = problem
-    comm.Barrier()    # a rank that waits here can be stopped by signals; in the sums of `agree` it cannot
+    comm.Barrier()    # signals can stop a rank that waits here, but not in the sums of `agree`
     _agree(error)
     return cast(Result, comm.bcast(result))
 
 
 def stop_if_asked() -> None:
-    """Raise Interrupted, on every rank, if any has got a signal to stop: nothing has begun yet. Collective."""
+    """Raise Interrupted on every rank if any has got a signal to stop before the run. Collective."""
     seen = Signals.active().seen
     error = Interrupted(f"stopped by {signal.Signals(seen).name} before the run has begun") if seen else None
     if environment.launched()[1] > 1:
@@ -61,8 +58,8 @@ def stop_if_asked() -> None:
 def world() -> "MPI.Comm":
     """Return the communicator of all ranks.
 
-    Raises MissingLibrary where there is no MPI or PETSc, and ParisphError where a launcher has
-    started several ranks and MPI sees one: each would run the whole case, all into the same folder.
+    Raises MissingLibrary without MPI or PETSc, and ParisphError if a launcher has started several ranks and MPI sees
+    one: each would run the whole case into the same folder.
     """
     libraries.require(*libraries.ENGINE)
     from mpi4py import MPI
@@ -77,7 +74,7 @@ def world() -> "MPI.Comm":
 
 
 def _agree(error: ParisphError | None) -> None:
-    """Raise on every rank if any has an error; a rank with an error raises its own, without "rank 0:" in front."""
+    """Raise on every rank if any has an error. A rank with an error raises its own, without "rank 0:" in front."""
     try:
         agree(world(), error)
     except ParisphError:

@@ -1,4 +1,4 @@
-"""What the verbs of the command line do, once the command is understood."""
+"""The work of the verbs of the command line."""
 
 import argparse
 import json
@@ -20,7 +20,7 @@ if TYPE_CHECKING:    # loaded by the verbs that need them
 def _run(args: argparse.Namespace) -> None:
     if environment.launched()[1] > 1:
         ranks.world()
-        from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
+        from parisph.driver import run  # noqa: F401  starts PETSc on all ranks, before a case file may import it on one
 
     def prepared() -> tuple[str, dict[str, Any], str, list[str]]:
         case = _load(args)
@@ -72,7 +72,7 @@ def _load(args: argparse.Namespace) -> "Case":
 
 
 def _folder(args: argparse.Namespace) -> str:
-    """Return the folder for a new run, never one that holds a run already (unless asked to overwrite)."""
+    """Return the folder for a new run. Raises CaseError if it holds a run, without --overwrite."""
     if args.out is not None:
         if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
             raise CaseError(f"{args.out} holds a run already: give another folder with -o, "
@@ -87,7 +87,7 @@ def _folder(args: argparse.Namespace) -> str:
 
 
 def _files_of_parts(args: argparse.Namespace) -> list[str]:
-    """Return the files that have registered parts from outside: those of --parts, and the case file if it has."""
+    """Return the files that have registered parts: those of --parts, and the case file if it has."""
     from parisph.base import vocabulary
 
     is_stored = str(args.case).endswith(".json")
@@ -177,7 +177,7 @@ def _movie(args: argparse.Namespace) -> None:
 
 
 def _look(args: argparse.Namespace) -> dict[str, Any]:
-    """Return the options of io.view.Look; None for those not given."""
+    """Return the options of pictures.view.Look, None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
             "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame}
 
@@ -240,7 +240,7 @@ def _completion(args: argparse.Namespace) -> None:
     print(completion.script(parser.build(), args.shell))
 
 
-# The work of each verb: a function of the arguments that returns the exit code, where None means 0.
+# {verb: function of the arguments that returns the exit code, None for 0}
 WORK: dict[str, Callable[[argparse.Namespace], int | None]] = {
     "run": _run, "restart": _restart, "check": _check, "study": _study, "info": _info, "plot": _plot, "movie": _movie,
     "report": _report, "compare": _compare, "reflection": _reflection, "doctor": _doctor, "completion": _completion}

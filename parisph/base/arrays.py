@@ -1,4 +1,4 @@
-"""Types of arrays for annotations: numpy's own name alone does not say of what. Docstrings give the shapes."""
+"""Types of arrays for annotations, by the type of their elements. Docstrings give the shapes."""
 
 from typing import Any
 
@@ -12,10 +12,7 @@ Flags = NDArray[np.bool_]
 
 
 def sizes(vectors: Floats) -> Floats:
-    """Return the length of each of some vectors (n, dim): (n,).
-
-    As np.linalg.norm along the last axis, which takes several times as long for vectors of two or three components.
-    """
+    """Return the lengths (n,) of vectors (n, dim), several times faster than np.linalg.norm for two or three axes."""
     total = np.square(vectors[:, 0])
     for axis in range(1, vectors.shape[1]):
         total += np.square(vectors[:, axis])

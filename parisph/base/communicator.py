@@ -1,4 +1,4 @@
-"""What the parts below MPI use of a communicator: mpi4py's have it, and a laptop needs no MPI to describe a case."""
+"""The methods of MPI communicators that parts without mpi4py use. A case can be described without MPI."""
 
 from typing import Any, Protocol
 
@@ -15,16 +15,16 @@ class Communicator(Protocol):
         """Number of ranks."""
 
     def allreduce(self, sendobj: Any) -> Any:
-        """Return the sum of what all ranks give. Collective."""
+        """Return the sum of the objects of all ranks. Collective."""
 
     def Allreduce(self, sendbuf: Any, recvbuf: Any) -> Any:
-        """Write the sum of the arrays that all ranks give to the second. Collective."""
+        """Write the sum of the arrays `sendbuf` of all ranks to `recvbuf`. Collective."""
 
     def allgather(self, sendobj: Any) -> list[Any]:
-        """Return what all ranks give, in the order of ranks. Collective."""
+        """Return the objects of all ranks, in the order of ranks. Collective."""
 
     def bcast(self, obj: Any) -> Any:
-        """Return what rank 0 gives. Collective."""
+        """Return the object of rank 0. Collective."""
 
     def Abort(self, errorcode: int) -> Any:
         """End all ranks, and do not return."""

@@ -1,7 +1,4 @@
-"""Environment variables that a process of parisph needs, and how a launcher is recognised.
-
-Nothing here imports MPI or numpy: it runs before both.
-"""
+"""Environment variables that parisph needs, and how a launcher is recognised. Runs before MPI and numpy are loaded."""
 
 import os
 import tempfile
@@ -15,16 +12,15 @@ from parisph.base.text import shown
 # One thread per rank: the ranks use all cores, and more threads would compete with them.
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-# Settings of Open MPI for ranks that share one machine, where there may be more ranks than
-# cores and other jobs beside them. Other MPI libraries ignore them. They are the same as in
-# run_scripts/env.
+# Settings of Open MPI for ranks on one machine, which may have fewer cores than ranks, and other jobs. Other MPI
+# libraries ignore them. run_scripts/env has the same ones.
 ONE_MACHINE = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_mpi_yield_when_idle": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
 }
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-# Without a launcher, Open MPI starts a daemon that only MPI_Comm_spawn needs, which takes 0.1 s. It does not with this.
+# Keeps Open MPI without a launcher from starting a daemon, which takes 0.1 s and only MPI_Comm_spawn needs.
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}
 LOOPBACK = {"OMPI_MCA_oob_tcp_if_include": "127.0.0.0/8", "OMPI_MCA_btl_tcp_if_include": "127.0.0.0/8"}
 
@@ -46,9 +42,8 @@ _OF_A_BATCH_JOB = ("SLURM_", "PBS_", "LSB_", "LSF_", "JOB_ID", "PE_HOSTFILE")
 def prepare(environ: MutableMapping[str, str] = os.environ) -> None:
     """Set the variables that numpy, numba, BLAS, h5py and MPI read when they load.
 
-    Changes `environ` in place: one thread per rank, Debian's h5py in its parallel build, which is
-    otherwise used only under mpirun, and without a launcher, MPI without a daemon and with folders that it can use.
-    Values that the user has set stay; an empty value is none.
+    Changes `environ` in place: one thread per rank, and Debian's parallel build of h5py, which is otherwise used only
+    under mpirun. Without a launcher, MPI starts no daemon and gets folders that it can use. The user's values stay.
     """
     _prepare_any(environ)
     with suppress(BadEnvironment):    # see `surroundings.check`
@@ -66,11 +61,11 @@ def _prepare_any(environ: MutableMapping[str, str]) -> None:
 
 
 def _find_folders(environ: MutableMapping[str, str]) -> None:
-    """Let MPI use the folder for temporary files that Python uses, where it would take one that cannot be written.
+    """Set TMPDIR, which MPI uses, if its folder cannot be written, and HOME if there is no home folder.
 
-    It also needs a home folder. A user that the machine does not know, as in a container, has none.
+    A user that the machine does not know, as in a container, has none.
     """
-    with suppress(OSError):    # there is no such folder
+    with suppress(OSError):    # no folder can be written
         folder = tempfile.gettempdir()
         if folder != os.path.abspath(environ.get("TMPDIR") or "/tmp"):
             environ["TMPDIR"] = folder
@@ -104,7 +99,7 @@ def cache_folder(environ: Mapping[str, str] = os.environ) -> Path:
 def launched(environ: Mapping[str, str] = os.environ) -> tuple[int, int]:
     """Return (rank, size) as set by the launcher of this process; (0, 1) without a launcher.
 
-    Raises BadEnvironment: they are not those of a launcher.
+    Raises BadEnvironment: rank or size is not a valid number.
     """
     for names in _LAUNCHERS:
         rank, size = (environ.get(name, "") for name in names)
@@ -130,9 +125,8 @@ def is_first(environ: Mapping[str, str] = os.environ) -> bool:
 def for_launching(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
     """Return a copy of `environ` in which `mpirun` can start ranks on this one machine.
 
-    Removes the variables of an outer mpirun, which would make a nested one fail, and those of a
-    batch job, which would start ranks on other nodes. The user's settings are kept, except that
-    ranks always communicate over the loopback interface.
+    Removes the variables of an outer mpirun, with which a nested one would fail, and those of a batch job, which would
+    start ranks on other nodes. Other settings of the user stay. Ranks communicate over the loopback interface.
     """
     clean = {name: value for name, value in environ.items()
              if not name.startswith(_OF_A_LAUNCHER + _OF_A_BATCH_JOB)}
@@ -147,7 +141,7 @@ def for_launching(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
 
 
 def for_own(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
-    """Return `for_launching` with this parisph to import, installed or not."""
+    """Return `for_launching` with a PYTHONPATH that finds this parisph first, installed or not."""
     found, here = for_launching(environ), str(Path(__file__).resolve().parents[2])
     found["PYTHONPATH"] = os.pathsep.join(filter(None, [here, found.get("PYTHONPATH")]))
     return found

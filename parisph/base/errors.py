@@ -21,11 +21,11 @@ class SolverDiverged(ParisphError):
 
 
 class ParticleLost(ParisphError):
-    """A particle has left the domain or its position or velocity is no longer a number."""
+    """A particle has left the domain, or its position or velocity is not finite."""
 
 
 class StoreError(ParisphError):
-    """A file of the run cannot be written, or is not one that parisph wrote."""
+    """A file cannot be read or written, is damaged, or is not one that parisph wrote."""
 
 
 class MissingLibrary(ParisphError, ImportError):
@@ -33,7 +33,7 @@ class MissingLibrary(ParisphError, ImportError):
 
 
 class BadEnvironment(ParisphError):
-    """This machine, or the environment of this process, does not let parisph work: no fault of a case."""
+    """This machine, or the environment of this process, does not let parisph work. The case is not at fault."""
 
 
 class Interrupted(ParisphError):
@@ -55,10 +55,10 @@ def exit_code(error: BaseException) -> int:
 def agree(comm: Communicator, error: Exception | None = None) -> None:
     """Raise on every rank if any rank has an error; return if none has. Collective.
 
-    error : what went wrong on this rank
+    error : that of this rank, None without one
 
-    Raises the class of the lowest failing rank's error (a ParisphError stays what it is, anything else becomes a
-    ParisphError), with that rank's message on every rank.
+    Raises the error of the lowest failing rank on every rank, with its class if that is a ParisphError, else as a
+    ParisphError.
     """
     if comm.size == 1:
         if error is not None:
@@ -73,10 +73,7 @@ def agree(comm: Communicator, error: Exception | None = None) -> None:
 
 
 def agree_and_sum(comm: Communicator, error: Exception | None, *numbers: float) -> "Floats":
-    """Return the sums of some numbers over the ranks, or raise an error on all ranks as `agree`, in one message.
-
-    Collective.
-    """
+    """Return the sums (n,) of numbers over the ranks, or raise an error on all ranks as `agree`. Collective."""
     import numpy as np
 
     if comm.size == 1:
@@ -84,7 +81,7 @@ def agree_and_sum(comm: Communicator, error: Exception | None, *numbers: float) 
         return np.array(numbers, float)
     mine = np.array([error is not None, *numbers], float)
     sums: Floats = np.empty_like(mine)
-    comm.Allreduce(mine, sums)    # in one call of MPI; objects would be added on their way, rank after rank
+    comm.Allreduce(mine, sums)    # one reduction of MPI; mpi4py adds objects in Python, rank after rank
     if sums[0]:
         agree(comm, error)
     return sums[1:]

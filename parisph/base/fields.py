@@ -28,11 +28,11 @@ class Field:
     """One particle field.
 
     shape : "scalar" for (n,), "vector" for (n, dim), "tensor" for (n, dim, dim)
-    unit, meaning : for people and for file attributes
-    exchanged : part of the first message that fills a new ghost
-    migrates : moves with its particle to another rank, and is in checkpoints
-    written : may be asked for in snapshots
-    default : value of particles for which nothing else is known, as after a restart from an older file
+    unit, meaning : for people and for attributes of files
+    exchanged : whether the first message to a new ghost contains it
+    migrates : whether it moves with its particle to another rank, and is in checkpoints
+    written : whether snapshots may contain it
+    default : value without data, as after a restart from an older file
     """
 
     name: str
@@ -51,11 +51,9 @@ class Field:
 
 
 class FieldSet(Mapping[str, Field]):
-    """The fields that a scene has: those that every scene has, and those that its parts declare.
+    """The fields of a scene: CORE, and those that its parts declare. Particles have arrays for these only.
 
-    Particles have arrays for these and no others; no other is exchanged, moved to another rank or stored.
-
-    names : of further fields in the registry, in any order and any number of times
+    names : of fields in the registry, in any order, also repeated
 
     Raises KeyError: a name that is not in the registry
     """
@@ -72,7 +70,7 @@ class FieldSet(Mapping[str, Field]):
     def __getitem__(self, name: str) -> Field:
         return self._fields[name]
 
-    def __contains__(self, name: object) -> bool:    # Mapping's own tries __getitem__: asked for 20 times in a step
+    def __contains__(self, name: object) -> bool:    # faster than Mapping's, which raises and catches a KeyError
         return name in self._fields
 
     def __iter__(self) -> Iterator[str]:
@@ -83,9 +81,7 @@ class FieldSet(Mapping[str, Field]):
 
 
 def register(field: Field) -> None:
-    """Add a field to the registry, for a part that declares it.
-
-    Not collective: do it on every rank, before a case is run.
+    """Add a field to the registry, on every rank and before a case runs. Not collective.
 
     Raises ValueError if another field has this name.
     """
@@ -93,7 +89,7 @@ def register(field: Field) -> None:
         raise ValueError(f"there is another particle field {field.name!r}: {FIELDS[field.name].meaning}")
 
 
-# Flags of fields that no other rank needs: those that a restart needs, and those that each step makes anew.
+# Flags of fields that new ghosts get no copy of: KEPT if a restart needs them, OWN if each step computes them.
 KEPT: dict[str, Any] = {"exchanged": False, "written": False}
 OWN: dict[str, Any] = {**KEPT, "migrates": False}
 
@@ -107,41 +103,39 @@ FIELDS = {
         Field("x0", "vector", np.float64, "m", "position at the start of the step", **KEPT),
         Field("u", "vector", np.float64, "m/s", "velocity"),
         Field("volume", "scalar", np.float64, "m^dim",
-              "volume of fluid that the particle stands for, always; 0 for walls"),
+              "volume of fluid that the particle represents; 0 for walls"),
         Field("p", "scalar", np.float64, "Pa", "pressure"),
         Field("laplacian", "scalar", np.float64, "Pa/m^2",
-              "Laplacian of the pressure in the last step, less that by the body force", written=False),
+              "Laplacian of the pressure in the last step, without the part due to the body force", written=False),
         Field("p_before", "scalar", np.float64, "Pa", "pressure one step before", **KEPT),
         Field("p_earlier", "scalar", np.float64, "Pa", "pressure two steps before", **KEPT),
         Field("p_earliest", "scalar", np.float64, "Pa", "pressure three steps before", **KEPT),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
         Field("role", "scalar", np.int8, "", "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
-        Field("start_role", "scalar", np.int8, "", "role at the start of the run, which a frozen surface gives back",
-              **KEPT),
+        Field("start_role", "scalar", np.int8, "", "role at the start, which a frozen surface keeps", **KEPT),
         Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", **KEPT),
-        Field("lack", "scalar", np.float64, "", "density error, of which only what voids lack counts in calm flow",
-              **OWN),
+        Field("lack", "scalar", np.float64, "", "density error whose mean over neighbours shows voids", **OWN),
         Field("hollow", "scalar", np.float64, "",
-              "void around the particle at the start, which counts as none; nan before it is known",
+              "density error of the void around the particle at the start, which is subtracted; nan until it is known",
               **KEPT, default=np.nan),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", **OWN),
         Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", **OWN),
-        Field("vorticity", "scalar", np.float64, "1/s", "dv/dx - du/dy of fluid, 0 for walls; as of when it is written",
+        Field("vorticity", "scalar", np.float64, "1/s", "dv/dx - du/dy of fluid, 0 for walls; computed for snapshots",
               exchanged=False, migrates=False),
         Field("swirl", "scalar", np.float64, "1/s",
-              "vorticity in the room that fluid without viscosity carries from the start; of a wall, that of the "
+              "vorticity in the inertial frame, which inviscid fluid carries from the start; of a wall, that of the "
               "fluid beside it", written=False),
         Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", **OWN),
-        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn", **OWN),
+        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs rotate", **OWN),
         Field("pairs", "scalar", np.int32, "", "close pairs that share a correction", **OWN),
         Field("closing", "scalar", np.int8, "",
-              "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
+              "of a wall particle: 0 without fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               **OWN),
         Field("share", "scalar", np.float64, "",
-              "part of the half cell at a wall particle for which fluid stands (kernels.halves), 1 for fluid", **OWN),
+              "part of the half cell at a wall particle that fluid represents (kernels.halves), 1 for fluid", **OWN),
         Field("weight", "scalar", np.float64, "",
               "cell of the particle over s^dim: of a wall particle, the part inside the fluid (kernels.density); of "
-              "fluid inside, that of the start, as its lattice was stretched", written=False, default=1.0),
+              "inner fluid, that of the stretched lattice at the start", written=False, default=1.0),
         Field("area", "vector", np.float64, "", "area vector of a wall particle over s^(dim-1), 0 for fluid",
               written=False),
         Field("edge", "scalar", np.int8, "",
@@ -151,7 +145,7 @@ FIELDS = {
         Field("half", "scalar", np.int8, "",
               "1 for fluid on the surface beside walls at the start: half a cell, whatever its volume", written=False),
         Field("covered", "scalar", np.float64, "",
-              "part of a wall particle that has fluid in front of it (kernels.wetness), 1 for fluid",
+              "part of a wall particle with fluid in front of it (kernels.wetness), 1 for fluid",
               **OWN, default=1.0),
         Field("rho", "scalar", np.float64, "kg/m^dim", "density of weakly compressible fluid"),
         Field("pull", "vector", np.float64, "m/s^2", "acceleration of weakly compressible fluid", **KEPT),
@@ -170,9 +164,8 @@ FIELDS = {
         Field("acceleration_before", "vector", np.float64, "m/s^2", "of fluid one step before", **KEPT),
         Field("expansion", "scalar", np.float64, "", "relative volume that residual divergence has made",
               exchanged=False),
-        Field("left", "scalar", np.float64, "1/s", "divergence that the last step has left where its operators were",
-              **KEPT),
-        Field("halfway", "vector", np.float64, "m/s", "velocity half way through the step, as known before it",
+        Field("left", "scalar", np.float64, "1/s", "residual divergence of the last step, by its operators", **KEPT),
+        Field("halfway", "vector", np.float64, "m/s", "velocity predicted for the middle of the step",
               migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value", default=1.0),
     )

@@ -1,6 +1,6 @@
-"""Digests in JSON files: an object has one of all its other entries, so that a change is seen.
+"""Digests in JSON files, which show later changes. The digest of an object is that of its other entries.
 
-The entry `made`, how a run was made, has its own digest: that of a case is the same whoever runs it.
+The entry `made` (how a run was made) has its own digest, so that equal cases have equal digests.
 """
 
 import hashlib
@@ -12,7 +12,7 @@ KEY, MADE, OF_MADE = "digest", "made", "made_digest"
 
 
 def with_digest(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a JSON object with its digest as the first entry, whose line may be removed without a comma too many."""
+    """Return a JSON object with its digest as the first entry. The file stays valid JSON without that line."""
     content = {name: value for name, value in content.items() if name not in (KEY, OF_MADE)}
     made = content.get(MADE)
     return {KEY: _digest(content), **content, **({OF_MADE: _digest(made)} if isinstance(made, dict) else {})}

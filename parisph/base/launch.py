@@ -16,8 +16,8 @@ def run(command: Sequence[str], timeout: float, env: Mapping[str, str],
 
     timeout : [s]; env : variables (environment.for_launching)
 
-    Raises subprocess.TimeoutExpired, with the output so far, after the command and its children have
-    been stopped: a collective that one rank does not reach never returns.
+    Raises subprocess.TimeoutExpired, with the output so far, after the command and its children have been stopped. A
+    collective call that one rank does not reach never returns.
     """
     process = subprocess.Popen(
         command, cwd=cwd, env=env, text=True, errors="replace", stdin=subprocess.DEVNULL,

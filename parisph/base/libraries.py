@@ -1,7 +1,4 @@
-"""Libraries that parisph can be installed without, and how to install them.
-
-Checking a case and looking at a run need neither MPI nor PETSc, so a laptop can do without them.
-"""
+"""Optional libraries, and how to install them. Checking a case and looking at a run need neither MPI nor PETSc."""
 
 import os
 from collections.abc import Iterator
@@ -22,15 +19,15 @@ _REMEDIES = {
     ("shtab",): "to complete commands in a shell, pip install shtab",
 }
 
-# Files that a library would read from the current folder, and which can make it execute programs.
+# Files that a library reads from the current folder, and that can make it execute programs.
 _CONFIGURATION = {"matplotlib": "matplotlibrc", "numba": ".numba_config.yaml"}
 
 
 @contextmanager
 def unconfigured(library: str) -> Iterator[None]:
-    """Context in which to import a library without its configuration file in the current folder. Not collective.
+    """Context that keeps an imported library from its configuration file in the current folder. Not collective.
 
-    The library may not look elsewhere first, so the current folder changes meanwhile if it contains such a file.
+    If there is such a file, the current folder is that of Python's library meanwhile.
     """
     if not os.path.lexists(_CONFIGURATION[library]):
         yield
@@ -48,8 +45,8 @@ def require(*names: str) -> None:
 
     names : ENGINE, or a library in `_REMEDIES`
 
-    Raises MissingLibrary : says in one line which ones cannot be imported, and how to install them
-    BadEnvironment : they are there, and the machine or the environment does not let them be loaded
+    Raises MissingLibrary : some cannot be imported; one line names them and says how to install them
+    BadEnvironment : the machine or the environment does not let installed ones be loaded
     """
     absent, broken = [], []
     for name in names:

@@ -1,4 +1,4 @@
-"""Progress of long work, as a line that renews itself on a terminal, or as plain lines at growing intervals."""
+"""Progress of long work: a line that is rewritten on a terminal, else plain lines at growing intervals."""
 
 import sys
 from collections.abc import Callable
@@ -12,9 +12,8 @@ class LiveLine:
     """One live line on a terminal; in a batch log plain lines, the first after two seconds.
 
     shown : whether to show anything
-    say : what shows a plain line; None to print it to the stream
-    stream : standard error by default
-    now : returns a time [s]; that of a clock by default
+    say : function that shows a plain line; by default it is printed to the stream
+    stream : standard error by default; now : function that returns a time [s], a clock by default
     """
 
     def __init__(self, shown: bool, say: Callable[[str], None] | None = None, stream: TextIO | None = None,
@@ -24,11 +23,11 @@ class LiveLine:
         self.begin()
 
     def begin(self) -> None:
-        """Let the work begin now."""
+        """Start the clock."""
         self._began = self._last = self._now()
 
     def due(self) -> bool:
-        """Return whether it is time for a new line. If it is, the caller shows one."""
+        """Return whether it is time for a new line, which the caller then shows."""
         now = self._now()
         if not self.shown or now - self._last < (TERMINAL if self._live else min(BATCH, 2.0 + 0.1 * self.elapsed)):
             return False

@@ -48,10 +48,10 @@ class _LogFile(logging.StreamHandler[TextIO]):
         super().__init__(open(handle, "a", encoding="utf-8", errors="replace"))
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Leave the line out: what the disk refuses is an error where results are written, and is raised there."""
+        """Leave the line out. A full disk raises an error where results are written."""
 
     def close(self) -> None:
-        with suppress(OSError):    # what could not be written is tried once more
+        with suppress(OSError):    # a last attempt to write the rest
             self.stream.close()
         super().close()
 
@@ -72,7 +72,7 @@ def _add(handler: logging.Handler, level: int, form: str) -> None:
 
 
 class _Plain(logging.Formatter):
-    """Indents the further lines of a record and escapes control characters, so that one record never looks like two."""
+    """Indents further lines of a record and escapes control characters: one record never looks like two."""
 
     def format(self, record: logging.LogRecord) -> str:
         return plain_lines(super().format(record), indent="    ")
@@ -81,8 +81,8 @@ class _Plain(logging.Formatter):
 class Timers:
     """Wall and CPU time of named phases: `with timers("solve"): ...`.
 
-    Phases may be nested: each counts all the time inside it. A phase inside itself counts once. A rank that waits for
-    others uses wall time. It depends on the MPI library whether it also uses CPU time.
+    Phases may be nested: each counts all the time inside it. A phase inside itself counts once. A rank that waits uses
+    wall time, and with some MPI libraries CPU time.
 
     seconds, cpu : dict of phase -> wall or CPU seconds so far on this rank, in the order of first use
     """
@@ -96,7 +96,7 @@ class Timers:
         return _Phase(self, phase)
 
     def begin(self, phase: str) -> tuple[float, float] | None:
-        """Return wall and CPU time [s] as a phase begins, None inside itself."""
+        """Return wall and CPU time [s] at the start of a phase, None inside itself."""
         if phase in self._open:
             return None
         self._open.add(phase)
@@ -123,7 +123,7 @@ class Timers:
 
 
 class _Phase:
-    """Times what is done inside `with`; a class, as a generator takes longer than some of what is timed."""
+    """Context of a phase. A class: a generator would take longer than some phases."""
 
     __slots__ = ("phase", "start", "timers")
 

@@ -8,26 +8,25 @@ from urllib.parse import quote
 from parisph.base.paths import AnyPath
 from parisph.base.text import plain
 
-# What has a meaning inside a line; an underscore inside a word has none, and names of files keep theirs. An & has one
-# before a name with a semicolon only.
+# Markup inside a line. Underscores inside words are none, nor is an & unless a name and a semicolon follow.
 _INSIDE = re.compile(r"[\\`*\[\]<|~$]|&(?=#?\w+;)|(?<![^\W_])_|_(?![^\W_])")
-# What has one at the begin of a line (lists, headings, quotations), or at the end of a heading, where it would vanish.
+# Markup at the start of a line (lists, headings, quotations), and #s at the end of a heading, which would vanish.
 _AT_ENDS = re.compile(r"^[-+=#>]|#(?=#*$)")
 _NUMBERED = re.compile(r"^([0-9]+)([.)])(?=\s|$)")
 
 
 def escaped(text: str) -> str:
-    """Return a text that Markdown shows as it stands inside a line or a cell: without links, markup and HTML."""
+    """Return a text that Markdown shows unchanged inside a line or a cell, without links, markup and HTML."""
     return _INSIDE.sub(r"\\\g<0>", plain(text))
 
 
 def line(text: str) -> str:
-    """Return a text as `escaped` does that is a whole line, or a heading."""
+    """Return a text for a whole line or a heading, escaped as `escaped` does."""
     return _NUMBERED.sub(r"\1\\\2", _AT_ENDS.sub(r"\\\g<0>", escaped(text.strip())))
 
 
 def target(path: AnyPath) -> str:
-    """Return a relative path as the target of a link, in Markdown and HTML: blanks, brackets and so on in percent."""
+    """Return a relative path as the target of a link in Markdown and HTML, percent-encoded."""
     return quote(os.fsencode(path), safe="/")
 
 

@@ -10,8 +10,9 @@ _LIMITS = ("memory.max", "memory.limit_in_bytes")    # of control groups, versio
 
 
 def total(root: AnyPath = "/") -> int | None:
-    """Return the bytes of memory that this process may use: those of the machine, or of its control
-    group (a container, a batch job) if that is less; None if unknown.
+    """Return the memory that this process may use [byte], None if unknown.
+
+    It is that of the machine, or of the control group (a container, a batch job) if that is less.
 
     root : where /proc and /sys are
     """
@@ -40,7 +41,7 @@ def _limits(root: Path) -> list[int]:
     for _, controllers, path in (group for group in groups if len(group) == 3):
         top = root / "sys/fs/cgroup" / ("memory" if "memory" in controllers.split(",") else "")
         folder = top / path.lstrip("/")
-        # In a container the path may be that of the host, and only the top be there.
+        # In a container the path may be that of the host, of which only the top exists.
         for place in (folder, *folder.parents):
             if not place.is_relative_to(top):
                 break

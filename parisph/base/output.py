@@ -5,7 +5,7 @@ import os
 import sys
 from typing import TextIO, TypeGuard
 
-# What a write to a file, a terminal or a socket fails with; a pipe without a reader is BrokenPipeError.
+# Errors of a write to a file, a terminal or a socket. A pipe without a reader gives BrokenPipeError.
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
@@ -13,15 +13,12 @@ def open_closed() -> None:
     """Send output to nowhere if the shell has closed the stream, as in `parisph run CASE >&-`. Not collective."""
     for number, name in ((1, "stdout"), (2, "stderr")):
         if getattr(sys, name) is None:
-            nowhere = os.open(os.devnull, os.O_WRONLY)    # usually `number` itself, which the next file would get
+            nowhere = os.open(os.devnull, os.O_WRONLY)    # usually gets `number`, so that no other file does
             setattr(sys, name, open(nowhere, "w"))
 
 
 def is_unwritable(error: BaseException | None) -> TypeGuard[OSError]:
-    """Return whether an exception says that standard output cannot be written.
-
-    Files of a run have errors of their own.
-    """
+    """Return whether an exception says that standard output cannot be written. Files of a run have their own errors."""
     return isinstance(error, OSError) and error.filename is None and error.errno in _UNWRITABLE
 
 

@@ -16,9 +16,9 @@ FOLDER: ContextVar[Path] = ContextVar("folder of the case file", default=Path())
 
 
 def checked(path: AnyPath, what: str) -> Path:
-    """Return a pathlib.Path. Raises CaseError if no file can have this name, or if it would add lines to a log.
+    """Return a pathlib.Path. Raises CaseError if no file can have this name, or if it has line breaks.
 
-    path : str or os.PathLike; what : what it is the path of, for the message
+    path : str or os.PathLike; what : name of the argument, for the message
     """
     problem = fault(path)
     if problem:

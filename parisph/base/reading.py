@@ -1,4 +1,4 @@
-"""Read text files from outside: regular files of limited size, with text in them. Not collective."""
+"""Read text files from outside: regular files of limited size that contain text. Not collective."""
 
 import csv
 import errno
@@ -13,7 +13,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, shown
 
 MOST = 16 * 10**6    # bytes of a file that is read
-SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "blanks"}    # of columns, the surest one first
+SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "blanks"}    # of columns, the least ambiguous first
 COMMA = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?")    # a number with a decimal comma
 POINT = re.compile(r"[+-]?(\d+\.\d*|\.\d+)([eE][+-]?\d+)?")
 THOUSANDS = re.compile(r"[+-]?\d{1,3}(([.,' ])\d{3})+[.,]\d*")
@@ -31,11 +31,11 @@ def read_text(path: AnyPath, most: float = MOST) -> str:
 
 
 def read_exactly(path: AnyPath, most: float = MOST) -> str:
-    """Return the text of a UTF-8 file as `read_text`, with its byte order mark if it has one: all that must be kept."""
+    """Return the text of a UTF-8 file as `read_text`, with its byte order mark if it has one."""
     try:
         check_regular(os.stat(path), most)
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
-            check_regular(os.fstat(file.fileno()), most)    # it may be another one by now
+            check_regular(os.fstat(file.fileno()), most)    # it may have been replaced
             data = file.read() if most == math.inf else file.read(int(most) + 1)
         if len(data) > most:
             raise OSError(errno.EFBIG, f"it has more than {amount(most)}")
@@ -55,9 +55,8 @@ def read_columns(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
     Columns are separated by commas, semicolons, tabs or blanks, whichever splits all lines alike. Numbers with decimal
     commas are returned with points. Lines that begin with '#' and empty lines are left out.
 
-    Raises:
-    OSError as read_text. ValueError, one line that shows little of the file: there is no header, a column has no name
-    or that of another one, a line has too few or too many cells, or the file can be read in two ways.
+    Raises OSError as read_text, and ValueError with one line that shows little of the file: there is no header, a
+    column has no name or that of another one, a line has too few or too many cells, or the file is ambiguous.
     """
     rows = {number: row.strip(" ") for number, row in enumerate(read_text(path).splitlines(), 1)
             if row.strip() and not row.startswith("#")}
@@ -76,15 +75,12 @@ def read_columns(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return a few names of columns for a message; not all, because the file may contain anything."""
+    """Return at most nine names of columns for a message."""
     return clipped(", ".join(named(name) for name in names[:9]) + ", ..." * (len(names) > 9)) or "none"
 
 
 def check_regular(status: os.stat_result, most: float = math.inf) -> None:
-    """Raise OSError unless the os.stat of a path is that of a regular file of at most `most` bytes.
-
-    To open others may wait forever.
-    """
+    """Raise OSError unless an os.stat is that of a regular file of at most `most` bytes; others may block if opened."""
     if stat.S_ISDIR(status.st_mode):
         raise OSError(errno.EISDIR, "it is a folder")
     if not stat.S_ISREG(status.st_mode):
@@ -94,9 +90,9 @@ def check_regular(status: os.stat_result, most: float = math.inf) -> None:
 
 
 def _separator(rows: Sequence[str]) -> str:
-    """Return the character between the columns of lines, of which the first one has their names.
+    """Return the character between the columns of lines; the first line has their names.
 
-    Raises ValueError if two characters split all lines alike, and numbers do not tell which is meant.
+    Raises ValueError if two characters split all lines alike, and numbers do not decide between them.
     """
     there = [mark for mark in SEPARATORS if mark in rows[0]]
     if set(there) - {" "}:    # names may have blanks in them
@@ -120,7 +116,7 @@ def _splits_alike(rows: Sequence[str], separator: str) -> bool:
 
 
 def _are_numbers(rows: Sequence[str], separator: str) -> list[bool]:
-    """Return which columns have nothing but numbers in all lines after the first."""
+    """Return for each column whether all lines after the first have a number."""
     return [all(map(_is_number, column)) for column in zip(*(_cells(row, separator, 0) for row in rows[1:]))]
 
 
@@ -143,7 +139,7 @@ def _cells(row: str, separator: str, number: int) -> list[str]:
 
 
 def _hint(separator: str, header: str, more: bool) -> str:
-    """Return what may be wrong with a line of too many or too few values."""
+    """Return a likely cause for a line with too many or too few values, as the end of a message."""
     if separator == "," and more:
         return "; where numbers have decimal commas, separate columns by semicolons"
     if separator == " ":

@@ -1,8 +1,8 @@
 """Signals that ask a run to stop. They never interrupt a collective call.
 
-Python runs a signal handler only while its main thread executes Python code, which a rank that waits
-for another one does not. A thread therefore reads the signal numbers from a socket, to which the
-interpreter writes them immediately (signal.set_wakeup_fd).
+Python runs a signal handler only while its main thread executes Python code. A rank that waits for another one does
+not. A thread therefore reads the signal numbers from a socket, to which the interpreter writes them immediately
+(signal.set_wakeup_fd).
 """
 
 import faulthandler
@@ -22,9 +22,9 @@ from parisph.base.communicator import Communicator
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 CODE = 4          # exit code of a run that was stopped
-COPY = 0.25       # [s] after a signal in which another one may be a copy of it
-PATIENCE = 4.0    # [s] that a run then has to stop properly
-_HINT = 0.3       # [s] that rank 0 has to speak first, where all ranks get the signal
+COPY = 0.25       # [s] after a signal; another one within it may be a copy
+PATIENCE = 4.0    # [s] for a run to stop properly then
+_HINT = 0.3       # [s] that other ranks wait, so that rank 0 prints first
 
 
 class Signals:
@@ -33,19 +33,19 @@ class Signals:
     A second signal within COPY of the first may be a copy: a batch system signals mpirun and its ranks,
     and mpirun then signals its ranks too. The run then gets PATIENCE to stop properly.
 
-    SIGUSR1 is supported because mpirun forwards it and does nothing else; after SIGINT or SIGTERM it
-    kills its ranks within about a second. This also ends a rank that waits inside PETSc or HDF5 for
-    one that hangs: these hold Python's lock, so that the thread cannot run.
+    SIGUSR1 is supported because mpirun only forwards it. After SIGINT or SIGTERM, mpirun kills its ranks within about a
+    second. That also ends a rank that waits inside PETSc or HDF5 for one that hangs: they hold Python's lock, so that
+    the thread cannot run.
 
     seen : number of the first signal to this process, else None
     left : text about the files on disk and how to resume; rank 0 prints it at the end
     rank : rank of this process
-    abort : function (exit code) that ends all ranks; None in a single process, where a second signal
-        raises KeyboardInterrupt in the main thread
-    socket : where the thread reads signals; None if none are watched
+    abort : function (exit code) that ends all ranks; None in a single process, where a second signal raises
+        KeyboardInterrupt in the main thread
+    socket : from which the thread reads signals; None if none are watched
     """
 
-    # The handlers belong to the process, so two of these cannot be in force at once.
+    # The handlers belong to the process, so only one instance can be active.
     _active: ClassVar["Signals | None"] = None
 
     def __init__(self) -> None:
@@ -69,7 +69,7 @@ class Signals:
     def __enter__(self) -> "Signals":
         self._depth += 1
         if self._depth > 1 or threading.current_thread() is not threading.main_thread():
-            return self    # a worker of a notebook leaves signals alone
+            return self    # only the main thread can set handlers
         self.socket, self._source = socket.socketpair()
         self._source.setblocking(False)
         self._main = threading.get_ident()
@@ -137,10 +137,10 @@ class Signals:
             self._raise = self._own = True
             signal.pthread_kill(self._main, signal.SIGINT)
             return
-        # Ends this process, should what follows hang.
+        # Ends this process if the rest hangs.
         faulthandler.dump_traceback_later(PATIENCE, exit=True, file=open(os.devnull, "w"))
         if self.rank:
             time.sleep(_HINT)
-        with suppress(OSError):    # nobody reads it any more
+        with suppress(OSError):    # standard error is closed
             print(f"parisph: stopped at once by a second signal; {self.left}", file=sys.stderr, flush=True)
         self.abort(CODE)

@@ -1,7 +1,7 @@
-"""Faults of the machine or of the environment of this process, told as such: what is wrong, and what to do.
+"""Faults of the machine or of the environment of this process, with a remedy for each.
 
-What can be known is checked before any work (`check`). What only shows when a library is loaded, or later, is
-recognised in the exception (`explained`), so that no case file and no fault of parisph is blamed for it.
+`check` finds those that can be known before any work. `explained` recognises the others in an exception, so that no
+case file and no code of parisph is blamed for them.
 """
 
 import errno
@@ -18,10 +18,10 @@ from parisph.base.memory import amount
 from parisph.base.text import of_error, shown
 
 FILES = 64             # open files that a run needs on one rank: it has 22
-MEMORY = 640 * 10**6   # bytes of address space that Python and the libraries take before a run has any particle
-_COUNT = re.compile(r"0*[1-9]\d*(,0*[1-9]\d*)*")    # OMP_NUM_THREADS may have one for each level
+MEMORY = 640 * 10**6   # bytes of address space that Python and the libraries take before a run has particles
+_COUNT = re.compile(r"0*[1-9]\d*(,0*[1-9]\d*)*")    # OMP_NUM_THREADS may have a number for each level
 _UNREAD = re.compile(r"Environment variable '(\w+)' is defined but its associated value '(.*)' could not", re.DOTALL)
-# What libraries say that were compiled for another numpy than the one that is there.
+# Messages of libraries that were compiled for another numpy.
 _ANOTHER_NUMPY = ("numpy.dtype size changed", "numpy.ufunc size changed", "compiled using NumPy",
                   "_ARRAY_API not found", "numpy.core.multiarray failed to import",
                   "numpy._core.multiarray failed to import", "module compiled against A")
@@ -30,7 +30,7 @@ _NO_FILES = "Too many open files"
 
 
 def check(environ: Mapping[str, str] = os.environ) -> None:
-    """Check what parisph takes from the environment, and the limits of this process. Not collective.
+    """Check the variables that parisph reads, and the limits of this process. Not collective.
 
     Raises BadEnvironment, which names the variable or limit, its value and what to do.
     """
@@ -99,9 +99,9 @@ def _memory() -> BadEnvironment:
 
 
 def explained(error: BaseException) -> BadEnvironment | None:
-    """Return what an exception says of the environment, with what to do; None if it says nothing of it.
+    """Return the fault of the environment that has caused an exception, with a remedy; None if there is none.
 
-    error : what a library, parisph or a file of the user has raised
+    error : raised by a library, parisph or a file of the user
     """
     for cause in _causes(error):
         if isinstance(cause, BadEnvironment):
@@ -128,7 +128,7 @@ def explained(error: BaseException) -> BadEnvironment | None:
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:
-    """Yield an exception and those that it was raised from, the first cause first."""
+    """Yield the causes of an exception, the first one first, and the exception."""
     found: list[BaseException] = []
     cause: BaseException | None = error
     while cause is not None and len(found) < 20:
@@ -138,7 +138,7 @@ def _causes(error: BaseException) -> Iterator[BaseException]:
 
 
 def unread_number(message: str) -> BadEnvironment | None:
-    """Return what a warning of numba says of a variable that it cannot read; None of another warning."""
+    """Return the error for a warning of numba about a variable that it cannot read; None for another warning."""
     found = _UNREAD.search(message)
     if found is None:
         return None
@@ -154,17 +154,14 @@ def is_another_numpy(message: str) -> bool:
 
 
 def another_numpy(message: str) -> str:
-    """Return what is wrong with the numpy of this Python, and what to do.
-
-    message : what the library has said
-    """
+    """Return what is wrong with the numpy of this Python, and the remedy. message : that of the library"""
     version = getattr(sys.modules.get("numpy"), "__version__", "unknown")
     return (f"a library cannot be loaded with this numpy ({version}), as it was compiled for another one"
             f"{numpy_due(' ({})')}: {numpy_remedy()} (the library says: {' '.join(message.split())[:80]}...)")
 
 
 def numpy_remedy() -> str:
-    """Return what puts the right numpy in place."""
+    """Return the command that installs the right numpy."""
     clone = Path(__file__).resolve().parents[2]
     if Path(sys.prefix).resolve() == clone / ".venv" and (clone / "run_scripts" / "setup").exists():
         return "run_scripts/setup puts the right numpy back"
@@ -173,9 +170,9 @@ def numpy_remedy() -> str:
 
 
 def numpy_due(form: str) -> str:
-    """Return the version of numpy that the libraries were compiled for, as run_scripts/setup has noted it, in a form.
+    """Return the version of numpy that the libraries were compiled for, "" if unknown.
 
-    An empty text if it is not known.
+    run_scripts/setup has noted it. form : format of the text, with {} for the version
     """
     try:
         lines = (Path(sys.prefix) / "constraints.txt").read_text(encoding="utf-8").splitlines()

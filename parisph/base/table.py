@@ -22,9 +22,9 @@ def read_reference(path: AnyPath, time: str, value: str, offset: float = 0.0, sc
                    time_scale: float = 1.0) -> tuple[Floats, Floats]:
     """Return (t (n,) [s], truth (n,)): two columns of a reference file, sorted by time.
 
-    truth = offset + scale * column; t = time_scale * column. Lines with an empty cell or nan are skipped: a measured
-    series may have gaps, while the truth of a case (case.truths.read_truth) may not. Raises StoreError for a missing
-    file or column, or a cell that is not a number.
+    truth = offset + scale * column; t = time_scale * column. Lines with an empty cell or nan are skipped: measured
+    series may have gaps, but not the truth of a case (case.truths.read_truth). Raises StoreError for a missing file or
+    column, or a cell that is not a number.
     """
     found, lines = read(path)
     for name in (time, value):

@@ -43,10 +43,7 @@ def clipped(text: str, limit: int = LIMIT) -> str:
 
 
 def listed(texts: Iterable[str], limit: int = LONGEST) -> str:
-    """Return texts with commas between them.
-
-    Those that would make it longer than `limit` characters are left out whole, and counted.
-    """
+    """Return texts with commas between them; those beyond `limit` characters are only counted."""
     texts = list(texts)
     for kept in range(min(len(texts), limit), 0, -1):
         more = f" and {len(texts) - kept} more" if kept < len(texts) else ""
@@ -58,9 +55,9 @@ def listed(texts: Iterable[str], limit: int = LONGEST) -> str:
 def shown(value: object, limit: int = LIMIT) -> str:
     """Return any value for a message: its repr on one line, of at most `limit` characters.
 
-    Never raises, although the repr of a user's own object may, except for Ctrl-C.
+    Raises only KeyboardInterrupt, even if the repr of a user's object fails.
     """
-    is_text = issubclass(type(value), str)    # unlike isinstance it asks nothing of the value
+    is_text = issubclass(type(value), str)    # isinstance may execute code of the value
     try:
         text = repr(value) if is_text and len(cast(str, value)) <= limit else _short.repr(value)
     except KeyboardInterrupt:
@@ -81,16 +78,13 @@ def named(text: object, limit: int = LONGEST) -> str:
 
 
 def rounded_down(value: float) -> str:
-    """Return a positive number as text with three digits that is not above it, so that what is said holds."""
+    """Return a positive number as text, rounded down to three digits."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return f"{math.floor(value / unit + 1e-9) * unit:.3g}"
 
 
 def of_error(error: BaseException, limit: int = 300) -> str:
-    """Return the message of an exception on one line, of at most `limit` characters.
-
-    Never raises, except for Ctrl-C.
-    """
+    """Return the message of an exception on one line, of at most `limit` characters. Raises only KeyboardInterrupt."""
     try:
         text = str(error)
     except KeyboardInterrupt:

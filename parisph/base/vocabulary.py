@@ -1,7 +1,7 @@
 """The words by which a case names a method and its parts.
 
-A case is described and checked without the code that runs it, so it needs to know the words only. Registries
-(methods.parts) hold the parts; a part that is registered from outside the package adds its own word here.
+A case is described and checked without the code that runs it, so it needs only the words. Registries (methods.parts)
+hold the parts. A part that is registered from outside the package adds its word here.
 """
 
 WORDS: dict[str, list[str]] = {
@@ -20,7 +20,7 @@ WORDS: dict[str, list[str]] = {
     "probe": [],    # those of the package are found by their files (case.probes)
 }
 
-# What a scene may have that some forces are for.
+# Features of a scene that need certain forces.
 PHYSICS = {
     "viscous": "viscosity of the fluid or of eddies", "turning": "a tank that turns",
     "absorbing": "zones that absorb waves", "friction": "friction on walls",

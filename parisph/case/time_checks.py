@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from parisph.case import scenery, time_scales
+from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE
 from parisph.case.scene import Scene
 from parisph.case.shapes import Lid
@@ -43,6 +44,9 @@ def _speeds(case: Scene) -> Iterator[str]:
         if speed > FASTEST:
             yield (f"{what} reaches {speed:.3g} m/s, must be below {FASTEST:g}, the speed of sound in water, beyond "
                    f"which no water is incompressible; lengths are in m, times in s, frequencies in rad/s; {remedy}")
+    if METHODS[case.numerics.method].step == "compressible" and not time_scales.sound_speed(case):
+        yield ("numerics.sound_speed: is not set, and without gravity and fluid.velocity nothing says how fast the "
+               f"flow will be; set it to {time_scales.SOUND:g} times the highest speed [m/s] that you expect")
 
 
 def _times(case: Scene) -> Iterator[str]:

@@ -42,10 +42,9 @@ def fastest(case: Scene) -> float:
 
     In waves that do not break, the fall is replaced by the speed of long waves.
     """
-    speed, g = start(case)
     lower, upper = case.fluid_bounds
     fall = 2.0 if case.numerics.preset == "violent" else 1.0
-    return speed + float(np.sqrt(fall * g * (upper - lower)[-1]))
+    return start(case)[0] + float(np.sqrt(fall * strongest(case) * (upper - lower)[-1]))
 
 
 def stable_time_step(case: Scene) -> tuple[float, str]:
@@ -70,16 +69,18 @@ def stable_time_step(case: Scene) -> tuple[float, str]:
 
 
 def wave_time(case: Scene) -> float:
-    """Return sqrt(s/g) [s], the time scale of the shortest waves on the lattice; infinite without a force.
+    """Return sqrt(s/g) [s], the time scale of the shortest waves on the lattice; infinite without a force g."""
+    g = strongest(case)
+    return float(np.sqrt(case.numerics.spacing / g)) if g > 0.0 else np.inf
 
-    g is the largest body force on the fluid at LOOKS times until the end, in the frame of the tank.
-    """
+
+def strongest(case: Scene) -> float:
+    """Return the largest body force on the fluid [m/s2] at LOOKS times until the end, in the frame of the tank."""
     x = np.concatenate(sample(case))
     if case.same_force_everywhere:
         x = x[:1]
-    g = max(np.linalg.norm(case.body_force(x, t), axis=1).max(initial=0.0)
-            for t in np.linspace(0.0, case.end_time, LOOKS))
-    return float(np.sqrt(case.numerics.spacing / g)) if g > 0.0 else np.inf
+    return float(max(np.linalg.norm(case.body_force(x, t), axis=1).max(initial=0.0)
+                     for t in np.linspace(0.0, case.end_time, LOOKS)))
 
 
 def flow_length(case: Scene) -> float:

@@ -1,5 +1,5 @@
-"""The files of a run: probes, snapshots, checkpoints, reader, pictures."""
+"""The files of a run: time series, snapshots, checkpoints, and their reader."""
 
 from parisph.base import libraries
 
-libraries.require("h5py")    # says how to get it, where the import of a module in here would not
+libraries.require("h5py")    # its error says how to install it

@@ -1,10 +1,9 @@
 """Checkpoints: all data needed to continue a run on any number of ranks, in one plain HDF5 file.
 
 Layout: /particles/<field> (n, ...) for every field that migrates with its particle; /flows/<number>/<field> (n, ...)
-of flows that may be at a peak of a probe; attributes of
-the root: format, version, time, step, dt, case (JSON), state (JSON), versions and options; behind the
-HDF5 part a digest of the file (parisph.io.digest), which is checked before HDF5 opens the file. The
-file gets its final name only when it is complete.
+of flows that may be at a peak of a probe; attributes of the root: format, version, time, step, dt, case (JSON), state
+(JSON), versions and options; after the HDF5 part a digest (parisph.io.digest), which is checked before HDF5 opens the
+file. The file gets its final name only when it is complete.
 """
 
 import json
@@ -30,9 +29,9 @@ from parisph.io.slabs import Slab
 from parisph.parallel.particles import Particles
 
 FORMAT, VERSION = "parisph checkpoint", 2    # 1: without a digest, and with phi in Pa
-WITHOUT_VOLUMES = "6d557b4"    # the last commit whose particles have no volumes, and that goes on from such files
-KEEP = 2  # the last and, in case a disk loses it, the one before
-_NAME = re.compile(r"([0-9]{8}|[1-9][0-9]{8,})\.h5")    # as `write` names them; other names are those of copies
+WITHOUT_VOLUMES = "6d557b4"    # the last commit that restarts from files without volumes of particles
+KEEP = 2  # the last, and the one before in case a disk loses the last
+_NAME = re.compile(r"([0-9]{8}|[1-9][0-9]{8,})\.h5")    # as `write` names them; copies have other names
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,8 @@ class Checkpoint:
 
     time [s], step, dt [s] : of the run at the checkpoint; case : as JSON
     state : given by the driver (probes, time stepping, ...)
-    arrays : {field: rows [offset, offset + n) of this rank}; total : number of rows of all
-    flows : the Share of each of some earlier flows, with some of the fields
+    arrays : {field: rows [offset, offset + n) of this rank}; total : number of rows of all ranks
+    flows : the Share of each stored earlier flow, with some of the fields
     """
 
     time: float
@@ -67,7 +66,7 @@ class Checkpoint:
 
 
 class EarlierFlow(Protocol):
-    """Particles of an earlier flow: fields `arrays`, of which this rank has the rows from `offset` on."""
+    """Particles of an earlier flow. arrays : {field: rows of this rank}; offset : number of the first"""
 
     arrays: dict[str, Array]
     offset: int
@@ -79,14 +78,13 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
           flows: Sequence[EarlierFlow] = ()) -> Path:
     """Write folder/NNNNNNNN.h5 (the step's number), and return the path. Collective.
 
-    Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the
-    files in the folder are the run's: no other file is removed.
+    The last two checkpoints of the run are kept. The state lists them, so that a restart knows the files of the run. No
+    other file is removed.
 
-    particles : all its fields that migrate are written
+    particles : their migrating fields are written
     time [s], step, dt [s] : dt is that of the next step
-    state : what JSON can hold; rank 0's is written
-    attributes : further ones of the root of the file
-    earlier : file names of the run's checkpoints so far, oldest first; all but the last are removed
+    state : content for JSON, of rank 0; attributes : further ones of the root of the file
+    earlier : file names of the run's checkpoints so far, oldest first; all except the last are removed
     flows : earlier flows to write too
 
     Raises StoreError on every rank; earlier checkpoints are then unchanged.
@@ -116,12 +114,12 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
 
 
 def read(comm: Communicator, path: AnyPath) -> Checkpoint:
-    """Return a Checkpoint with this rank's share of the particles (as numpy.array_split cuts). Collective.
+    """Return a Checkpoint with this rank's share of the particles (as of numpy.array_split). Collective.
 
     The number of ranks may differ from that of the run that wrote it.
 
-    Raises StoreError on every rank if the file is missing, damaged, of another version, or no checkpoint. It
-    names the newest sound checkpoint in the same folder, if there is one, and the command to use it.
+    Raises StoreError on every rank if the file is missing, damaged, of another version, or not a checkpoint. It names
+    the newest sound checkpoint in the same folder, if there is one, and the command to use it.
     """
     path = Path(path)
     try:
@@ -131,7 +129,7 @@ def read(comm: Communicator, path: AnyPath) -> Checkpoint:
 
 
 def _read(comm: Communicator, path: Path) -> Checkpoint:
-    # beside the case of a run without an identity, files may have no digest
+    # files of a run without an identity may have no digest
     early = comm.bcast(_identity_beside(path) == "" if comm.rank == 0 else None)
     digest.check_together(comm, path, early)
     loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size, early))
@@ -166,11 +164,11 @@ def _is_sound(comm: Communicator, path: Path) -> bool:
 
 
 def _read_share(path: Path, rank: int, size: int, early: bool) -> Checkpoint:
-    """Return a Checkpoint with the share of one rank. The digest must have been checked before. Not collective."""
+    """Return a Checkpoint with the share of one rank, without a check of the digest. Not collective."""
     try:
         with h5py.File(path, "r") as file:
             if early and file.attrs.get("run"):
-                digest.check(path)    # it is of a later run, and has a digest
+                digest.check(path)    # files of a run with an identity have one
             _check_format(path, file)
             total = int(file.attrs["particles"])
             first, last = _share(total, rank, size)
@@ -202,7 +200,7 @@ def _check_format(path: Path, file: h5py.File) -> None:
 
 
 def _check_fields(path: Path, particles: h5py.Group) -> None:
-    # others have a default: an older file lacks the fields of newer parts
+    # other fields have a default, which newer parts get from an older file
     missing = [name for name in CORE if name not in particles]
     if missing == ["volume"]:
         raise StoreError(f"{path} lacks the volumes of its particles, so this parisph cannot go on from it. The "
@@ -231,9 +229,9 @@ def _check_place(path: Path, loaded: Checkpoint) -> None:
 
 
 def _identity_beside(path: Path) -> str | None:
-    """Return the identity of the run in whose folder a checkpoint is, "" if it has none, None if there is no run.
+    """Return the identity of the run in whose folder a checkpoint is, "" if it has none, None without a readable run.
 
-    What is wrong with case.json is said by those who read it.
+    Other readers of case.json raise its faults.
     """
     try:
         content = json.loads(read_text(path.resolve().parent.parent / "case.json", math.inf))
@@ -249,7 +247,7 @@ def _remove(folder: AnyPath, names: Sequence[str]) -> None:
 
 
 def _plain_number(value: Any) -> Any:
-    """JSON for numpy's numbers and arrays in the state."""
+    """Return a number or list for JSON in place of a number or array of numpy. Raises TypeError for another value."""
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"the state of a checkpoint cannot hold a {type(value).__name__}")

@@ -1,16 +1,15 @@
-"""Digests: a line at the end of an HDF5 file, with which any change to the file is found.
+"""Digests: a line at the end of an HDF5 file that shows any change to the file.
 
-HDF5 trusts the bytes that it reads: a few damaged ones may make HDF5 1.10 loop forever, end the
-process, or be read as data. Every file is therefore checked against its digest before HDF5 opens it.
-The digest is a line of text of fixed length, behind the last byte that HDF5 uses, which readers ignore:
+HDF5 trusts the bytes that it reads: a few damaged ones may make HDF5 1.10 loop forever, end the process, or be read as
+data. So every file is checked against its digest before HDF5 opens it. The digest is a line of text of fixed length,
+after the last byte that HDF5 uses; other readers ignore it:
 
     parisph digest 1 <bytes before the line> <SHA-256>
 
-Runs of 21 November 2026, before 21:57, have files without a digest, as they have no identity: these are opened
-unchecked where `early` says that the run has none.
+It is computed from the length and from the digests of all chunks of the file. So the ranks can share the work, and the
+digest does not depend on their number.
 
-It is computed from the length and from the digests of all chunks of the file. So the ranks can share
-the work, and the digest of a file does not depend on their number.
+Runs of 21 November 2026, before 21:57, have no identity, and files without a digest. `early` opens these unchecked.
 """
 
 import hashlib
@@ -31,10 +30,9 @@ LENGTH = len(b"\nparisph digest 1 ") + 20 + 1 + 64 + 1
 
 
 def append(comm: Communicator, path: Path, doing: str | None = None) -> None:
-    """Append the digest to a file. The file must be closed on every rank. Collective.
+    """Append the digest to a file, which is closed on every rank. Collective. Raises StoreError on every rank.
 
     doing : the action to name in an error, by default "write PATH"
-    Raises StoreError on every rank.
     """
     doing = doing or f"write {path}"
     length = comm.bcast(on_first(comm, doing, lambda: Path(path).stat().st_size))
@@ -49,7 +47,7 @@ def append(comm: Communicator, path: Path, doing: str | None = None) -> None:
 def check(path: Path, early: bool = False) -> None:
     """Raise StoreError unless every byte of a file is as parisph wrote it. Not collective.
 
-    early : whether the run is from before digests, so that a file without one is not checked
+    early : whether the run may have files without a digest, which are not checked
     """
     length, line = _ending(path, early)
     if not line:
@@ -62,7 +60,7 @@ def check(path: Path, early: bool = False) -> None:
 
 
 def check_together(comm: Communicator, path: Path, early: bool = False) -> None:
-    """Do `check` with the work shared among the ranks; raises StoreError on every rank. Collective."""
+    """Do `check` with the work shared by the ranks; raises StoreError on every rank. Collective."""
     length, line = 0, b""
     problem: str | None = None
     if comm.rank == 0:
@@ -91,7 +89,7 @@ def _chunks(path: Path, length: int, rank: int = 0, size: int = 1) -> list[bytes
     numbers = range(rank, -(-length // CHUNK), size)
     if not numbers:
         return []
-    # one for all chunks: fresh memory for each costs half as much again
+    # one buffer for all chunks: a new one for each takes 1.5 times as long
     found, buffer = [], memoryview(bytearray(CHUNK))
     with open(path, "rb") as file:
         for number in numbers:
@@ -109,11 +107,11 @@ def _line(length: int, digests: Sequence[bytes]) -> bytes:
 def _ending(path: Path, early: bool) -> tuple[int, bytes]:
     """Return (number of bytes before the digest line, the line) of a file.
 
-    Raises StoreError if it has no such line; of an early run, the line is then empty.
+    Raises StoreError if it has no such line; the line is empty then for an early run.
     """
     try:
         status = os.stat(path)
-        if not stat.S_ISREG(status.st_mode):    # a pipe would be waited for
+        if not stat.S_ISREG(status.st_mode):    # a pipe would block
             raise StoreError(f"{path} is not a file")
         length = max(0, status.st_size - LENGTH)
         with open(path, "rb") as file:
@@ -127,7 +125,7 @@ def _ending(path: Path, early: bool) -> tuple[int, bytes]:
     if found is None and early:
         return length, b""
     if found is None:
-        raise StoreError(f"{path} is not a whole file of parisph: it has no digest at its end, as it was cut short or "
+        raise StoreError(f"{path} is not a whole file of parisph: it has no digest at its end. It was cut short or "
                          "changed, or written by an older parisph")
     if int(found[1]) != VERSION:
         raise StoreError(f"{path} has a digest of version {int(found[1])}, this parisph knows {VERSION}: "

@@ -1,7 +1,7 @@
 """Write files so that neither a crash nor a full disk can damage a run.
 
-A file is written under a temporary name, forced to the disk and then renamed: readers see either the
-old content or the new one, never a part of it. An error on one rank is raised on all.
+A file is written under a temporary name, forced to the disk and then renamed: readers see either the old content or the
+new one, never a part. An error on one rank is raised on all.
 """
 
 import hashlib
@@ -25,8 +25,8 @@ Result = TypeVar("Result")
 def together(comm: Communicator, doing: str, action: Callable[[], Result]) -> Result:
     """Run `action()` on this rank and return its result. Collective.
 
-    Raises StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
-    Any other exception is also raised on all ranks (errors.agree), so that no rank waits forever.
+    Raises StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>". Any other exception is
+    also raised on all ranks (errors.agree), so that no rank waits forever.
     """
     result: Result | None = None
     problem: Exception | None = None
@@ -42,7 +42,7 @@ def together(comm: Communicator, doing: str, action: Callable[[], Result]) -> Re
 
 
 def on_first(comm: Communicator, doing: str, action: Callable[[], Result]) -> Result | None:
-    """Run `action()` on rank 0 only; its result there, None elsewhere. Collective, raises as `together`."""
+    """Run `action()` on rank 0 and return its result there, None elsewhere. Collective; raises as `together`."""
     return together(comm, doing, action if comm.rank == 0 else lambda: None)
 
 
@@ -69,10 +69,9 @@ def publish(path: Path) -> None:
 
 @contextmanager
 def replacing(path: AnyPath) -> Iterator[Path]:
-    """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces
-    `path`. One process.
+    """Context with the name of a new file of the same ending, which replaces `path` at the end. One process.
 
-    A symbolic link is replaced too, never followed. If the block fails, `path` is unchanged and nothing is left behind.
+    A symbolic link is replaced, never followed. If the block fails, `path` is unchanged and the new file is removed.
     Raises OSError: a file cannot be made there, or `path` is a folder, a pipe or a device.
     """
     path = Path(path)
@@ -91,9 +90,9 @@ def replacing(path: AnyPath) -> Iterator[Path]:
 
 
 def rewrite(path: Path, text: str) -> None:
-    """Replace the text of a file of the user atomically; line ends are written as they are. One process.
+    """Replace the text of a file of the user atomically, without a change of line ends. One process.
 
-    The file keeps its mode, and its owner where that is allowed. Raises OSError; the file is then unchanged.
+    The file keeps its mode, and its owner if that is allowed. Raises OSError; the file is then unchanged.
     """
     status = os.stat(path)
     with replacing(path) as new:
@@ -114,10 +113,7 @@ def failing_as(doing: str) -> Iterator[None]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Replace the content of `path` by `text` atomically. One rank.
-
-    Raises OSError and then leaves no temporary file.
-    """
+    """Replace the content of `path` by `text` atomically. One rank. Raises OSError, and then leaves no other file."""
     try:
         with open(create(temporary(path)), "w", encoding="utf-8") as file:
             file.write(text)
@@ -136,7 +132,7 @@ def write_json(path: Path, content: Any) -> None:
 def read_json(path: Path, needs_digest: bool = False) -> dict[str, Any]:
     """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError.
 
-    needs_digest : whether a file without a digest is refused, as only parisph writes it; users may edit others
+    needs_digest : whether a file without a digest is refused, because users may not edit it
     """
     try:
         check_regular(os.stat(path))
@@ -148,7 +144,7 @@ def read_json(path: Path, needs_digest: bool = False) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise StoreError(f"{path} is damaged: it is not JSON ({str(error)[:80]})") from None
     if not isinstance(content, dict):
-        raise StoreError(f"{path} is damaged: it holds a {type(content).__name__}, not an object")
+        raise StoreError(f"{path} is damaged: it contains a {type(content).__name__}, not an object")
     if needs_digest and content.get(KEY) is None:
         raise StoreError(f"{path} is damaged: it has no digest. Move it away to read the rest of the run")
     content, sound = without_digest(content)

@@ -1,4 +1,4 @@
-"""Changes to the folder of a run. Only parisph's own incomplete files are ever removed, and no link is followed.
+"""Changes to the folder of a run. Only incomplete files of parisph are removed, and no link is followed.
 
 All functions are for one rank. They raise OSError, or StoreError with the remedy.
 """
@@ -20,7 +20,7 @@ from parisph.io.layout import BEFORE, FILES, FOLDERS, PEAKS, REPLACED
 
 
 def content(folder: Path) -> list[str]:
-    """Return the names in a folder that a run would write to: files, links, and folders that are not empty."""
+    """Return the names in a folder that a run would overwrite: files, links, and folders that are not empty."""
     return [name for name in (*FILES, *FOLDERS, PEAKS) if _is_used(folder / name)]
 
 
@@ -29,9 +29,9 @@ def _is_used(path: Path) -> bool:
 
 
 def check_free(folder: Path, given: str | os.PathLike[str] | None = None, movable: bool = True) -> None:
-    """Raise CaseError if a folder holds a run, or anything else that a new run would write to.
+    """Raise CaseError if a folder holds a run, or anything else that a new run would overwrite.
 
-    given : the folder as the user named it; movable : whether the command has --overwrite; both for the message
+    given : the folder as named by the user; movable : whether the command has --overwrite; both for the message
     """
     names = content(folder)
     if not names:
@@ -49,7 +49,7 @@ def make(folder: Path) -> list[Path]:
         try:
             place.mkdir()
         except FileExistsError:
-            if place.is_dir():    # another process has made it meanwhile
+            if place.is_dir():    # another process was faster
                 continue
             unmake(made)
             raise
@@ -61,11 +61,11 @@ def make(folder: Path) -> list[Path]:
 
 
 def unmake(made: Sequence[Path]) -> bool:
-    """Remove those folders made by `make` that are empty, the innermost first; return whether that one is gone."""
+    """Remove the empty folders of those made by `make`, the innermost first; return whether that one is removed."""
     for number, place in enumerate(made):
         try:
             place.rmdir()
-        except OSError:    # something is in it
+        except OSError:    # it is not empty
             return number > 0
     return bool(made)
 
@@ -73,7 +73,7 @@ def unmake(made: Sequence[Path]) -> bool:
 def prepare(folder: Path, series: Iterable[str] = ()) -> None:
     """Make the folders of a run, and remove the incomplete files of a killed process.
 
-    series : names of the time series of the run, for the names of its incomplete files
+    series : names of the time series of the run, whose incomplete files are removed
     """
     folder.mkdir(parents=True, exist_ok=True)
     _check_log(folder / "run.log")
@@ -97,10 +97,7 @@ def _check_log(path: Path) -> None:
 
 
 def _half_written(series: Iterable[str]) -> dict[str, re.Pattern[str]]:
-    """Return {folder inside that of a run: pattern of the temporary names that a killed process leaves there}.
-
-    No other file matches.
-    """
+    """Return {folder inside that of a run: pattern of the temporary names that a killed process leaves there}."""
     probes = [name.removeprefix("probes/") for name in series if name.startswith("probes/")]
     own = {
         "": [*(re.escape(name) for name in FILES), r"summary-[0-9]+\.json"],
@@ -135,7 +132,7 @@ def is_edited(folder: Path) -> bool:
     """Return whether there is a case.json without a digest: the user has edited it, or an early release wrote it."""
     try:
         return KEY not in json.loads(read_text(folder / "case.json", math.inf))
-    except (OSError, ValueError, TypeError):    # what is wrong with it is said by those who read it
+    except (OSError, ValueError, TypeError):    # other readers raise its faults
         return False
 
 
@@ -150,12 +147,12 @@ def identity(folder: Path) -> str | None:
 
 
 def digests(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """Return {name: digest} of files of a run, for its summary; missing files are left out."""
+    """Return {name: digest} of the existing files of a run, for its summary."""
     return {name: digest(folder / name) for name in names if (folder / name).is_file()}
 
 
 def summary(folder: Path) -> dict[str, Any] | None:
-    """Return the content of summary.json, None where there is none or it is damaged: a restart writes another one."""
+    """Return the content of summary.json, None if it is missing or damaged: a restart writes another one."""
     try:
         return read_json(folder / "summary.json")
     except StoreError:
@@ -163,13 +160,10 @@ def summary(folder: Path) -> dict[str, Any] | None:
 
 
 def check_unchanged(path: Path, summary: dict[str, Any] | None, name: str) -> None:
-    """Raise StoreError if a file has changed since the summary of its run was written.
-
-    Without a summary nothing is checked.
-    """
+    """Raise StoreError if a file has changed since the summary of its run was written; pass without a summary."""
     due = (summary or {}).get("files", {}).get(name)
     if due is not None and path.is_file() and digest(path) != due:
-        raise StoreError(f"{path} is damaged: it is not as it was when the run ended. Move it away, or mend it")
+        raise StoreError(f"{path} is damaged: it has changed since the run ended. Move it away, or repair it")
 
 
 def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ()) -> Path | None:
@@ -192,8 +186,7 @@ def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ())
 
 
 def move_run_aside(folder: Path) -> Path | None:
-    """Rename a folder to FOLDER.old, FOLDER.old-2, ...; return the new name, None if it holds nothing that a run would
-    write to.
+    """Rename a folder to FOLDER.old, FOLDER.old-2, ...; return the new name, None if a run would overwrite nothing.
 
     Raises CaseError if the current folder is in it.
     """

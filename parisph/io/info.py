@@ -17,14 +17,14 @@ def table(summary: Mapping[str, Any]) -> list[str]:
 
 
 def last_words(summary: Mapping[str, Any]) -> list[str]:
-    """Return the line below the table of a run: that it had warnings, and the gravest of them; none without any."""
+    """Return the line below the table of a run, [] without warnings: status, first warning and number of others."""
     warnings = summary.get("warnings") or ()
     more = f" (and {len(warnings) - 1} more above)" if len(warnings) > 1 else ""
     return _plain([f"{str(summary.get('status')).partition(':')[0]}: {warnings[0]}{more}"]) if warnings else []
 
 
 def describe(run: Run) -> str:
-    """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
+    """Return the content and the results of a Run as text. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
     lines += [f"{name:<16}{text}" for name, text in made.lines(run.made)]
     lines += ["", *(_results(run) if run.summary else ["no summary.json: the run goes on, or was killed"])]
@@ -45,10 +45,8 @@ def describe(run: Run) -> str:
 def provenance(run: Run) -> str:
     """Return the versions and options of a Run as text, "" if it has no snapshot.
 
-    Raises StoreError if the first one is damaged.
-
-    What the summary says too, and `describe` has told, is left out. Where the run ended with something else than it
-    began with, as a solver that changes with the flow does with PETSc's options, both are told.
+    Entries that `describe` shows from the summary are left out. If an entry changed during the run, as PETSc's options
+    may, both values are shown. Raises StoreError if the first snapshot is damaged.
     """
     summary = run.summary or {}
     told = {name: str(summary.get(name)) for name in ("method", "ranks")}
@@ -64,10 +62,7 @@ def provenance(run: Run) -> str:
 
 
 def _results(run: Run) -> list[str]:
-    """Return the table of the summary of a Run.
-
-    Raises StoreError if an entry is not of the kind that parisph writes.
-    """
+    """Return the table of the summary of a Run. Raises StoreError if an entry is not of its type."""
     try:
         return table(run.summary or {})
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
@@ -75,10 +70,7 @@ def _results(run: Run) -> list[str]:
 
 
 def _plain(entries: Iterable[str]) -> list[str]:
-    """Return texts whose control characters are escaped and whose further lines are indented.
-
-    A run's files may come from anybody.
-    """
+    """Return texts with escaped control characters and indented further lines: files of a run may be anybody's."""
     return [plain_lines(entry, indent=4 * " ") for entry in entries]
 
 
@@ -112,14 +104,14 @@ def _entries(summary: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         yield f"probe {probe}", str(words)
     unknown = get("volume_unknown")
     yield "volume drift", f"not measured: {unknown}" if unknown else _drift(get("volume_drift"), get("volume_range"))
-    # where work is done on the fluid a change of its energy is no error
+    # if work is done on the fluid, a change of its energy is not an error
     yield "energy change" if get("driven") else "energy drift", _drift(get("energy_drift"), get("energy_range"))
     yield "in motion", _motion(get("energy_in_motion"))
     yield from _of_probes(get)
 
 
 def _of_probes(get: Callable[[str], Any]) -> Iterator[tuple[str, Any]]:
-    """Yield what a summary says of single probes."""
+    """Yield the entries of single probes."""
     peaks = get("peaks") or {}
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
@@ -146,7 +138,7 @@ def _number(value: float | None, form: str, unit: str = "") -> str | None:
 
 
 def _drift(end: float | None, extremes: Any) -> str | None:
-    """A change from start to end, and its extremes on the way."""
+    """Return the change from start to end with its extremes."""
     text = _number(end, "+.2%")
     if not isinstance(extremes, dict):
         return text
@@ -155,16 +147,16 @@ def _drift(end: float | None, extremes: Any) -> str | None:
 
 
 def _short(found: Mapping[str, Any], unit: str) -> str:
-    """A peak that is not resolved, and the greatest one that is."""
+    """Return a peak that is not resolved, and the greatest one that is."""
     lasting = found.get("lasting")
-    text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts {1e3 * found['lasts']:.2g} ms only, and "
+    text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts only {1e3 * found['lasts']:.2g} ms, and "
             f"depends on chance: mean over {1e3 * found['mean_over']:g} ms {found['mean']:.4g} {unit}")
     return text + (f"; the greatest that lasts: {lasting['value']:.4g} {unit} at {lasting['time']:.4g} s"
                    if lasting else "")
 
 
 def _passed(found: Mapping[str, Any]) -> str:
-    """The water that has passed a line, and its events."""
+    """Return the volume that has passed a line, and its events."""
     text, events = f"{found['total']:.4g} m2 of water", found.get("events")
     if events:
         most = max(events, key=lambda event: abs(event["volume"]))
@@ -174,7 +166,7 @@ def _passed(found: Mapping[str, Any]) -> str:
 
 
 def _reflection(found: Mapping[str, Any] | None) -> str | None:
-    """The waves of a flume, as two or three gauges tell them."""
+    """Return the reflection of the waves in a flume."""
     if not found or "reason" in found:
         return f"not known: {found['reason']}" if found else None
     if found["coefficient"] is None:
@@ -184,7 +176,7 @@ def _reflection(found: Mapping[str, Any] | None) -> str | None:
 
 
 def _motion(energy: Any) -> str | None:
-    """The energy of waves and flow, without that of the water at rest."""
+    """Return the energy of waves and flow, without that of the water at rest."""
     if not isinstance(energy, dict):
         return None
     unit = energy["unit"]

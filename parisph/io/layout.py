@@ -5,7 +5,7 @@
     DIR/probes/NAME.csv                one file per probe
     DIR/snapshots/NNNNNN.vtkhdf        the particles at one time
     DIR/peaks/NAME.vtkhdf              the particles at the greatest value of a probe with peak=True
-    DIR/peaks/before/NAME.vtkhdf       those at the last checkpoint, if the value has been exceeded since
+    DIR/peaks/before/NAME.vtkhdf       the same until the last checkpoint, if that value has been exceeded since
     DIR/flow.hdf.series                the list of snapshots, to open in ParaView
     DIR/checkpoints/NNNNNNNN.h5        the last two; the number is that of the step
     DIR/summary.json                   written at the end of the run, also if it failed
@@ -23,15 +23,14 @@ from parisph.base.text import named
 INDEX = "flow.hdf.series"
 FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
 FOLDERS = ("probes", "snapshots", "checkpoints")
-PEAKS, BEFORE = "peaks", "peaks/before"     # made when there is something to put there
+PEAKS, BEFORE = "peaks", "peaks/before"     # made for their first file
 REPLACED = "replaced"
 
 
 def run_of(path: AnyPath) -> Path:
-    """Return the folder (pathlib.Path) of the run that a checkpoint file is in; any other path is returned as it is.
+    """Return the folder (pathlib.Path) of the run of a checkpoint file; any other path is returned unchanged.
 
-    The folder is relative if it is inside the current one, as users name it. Raises StoreError for a checkpoint that is
-    not there. Not collective.
+    The folder is relative if it is inside the current one. Raises StoreError for a missing checkpoint. Not collective.
     """
     path = Path(path)
     if path.suffix == ".h5" and not path.exists():

@@ -1,9 +1,8 @@
 """One process at a time writes into the folder of a run.
 
-The file `run.lock` names it: host, process and start. It is made with O_EXCL, which is atomic on local
-disks and on NFS since version 3, and its time is renewed while the run goes on. A process that is killed
-leaves its lock behind. On the same host this can be detected, and the lock is taken over; on another
-host, or from another container, it cannot, and the user decides.
+The file `run.lock` names it: host, process and start. It is made with O_EXCL, which is atomic on local disks and on NFS
+since version 3. Its time is renewed while the run goes on. A killed process leaves its lock behind. On the same host
+this is detected, and the lock is taken over. From another host or container it cannot be detected: the user decides.
 """
 
 import json
@@ -18,20 +17,19 @@ from parisph.base.errors import StoreError
 from parisph.io.files import create
 
 NAME = "run.lock"
-BEAT = 10.0    # [s] between two signs of life
+BEAT = 10.0    # [s] between renewals
 
-Found: TypeAlias = dict[str, Any]    # what a lock says
+Found: TypeAlias = dict[str, Any]    # content of a lock
 
 
 class Lock:
     """The right to write into a folder. One rank only.
 
-    folder : the folder of the run, which is there
-    force : whether to take over the lock of a process that may or may not run
+    folder : existing folder of the run
+    force : whether to take over the lock of a process if it is unknown whether that runs
 
-    Raises:
-    StoreError : another process writes into the folder; says which, and what to do. OSError : the folder cannot be
-        written.
+    Raises StoreError : another process writes into the folder; the message names it, with a remedy
+    OSError : the folder cannot be written
     """
 
     def __init__(self, folder: Path, force: bool = False) -> None:
@@ -46,21 +44,21 @@ class Lock:
         raise StoreError(f"another process is starting in {folder} at this moment: wait for it to end")
 
     def check(self) -> None:
-        """Renew the lock from time to time. Raises StoreError if it has been removed or taken over."""
+        """Renew the lock every BEAT. Raises StoreError if it has been removed or taken over."""
         if time.monotonic() - self._beaten < BEAT:
             return
         self._beaten = time.monotonic()
         found = _read(self.path)
         if found is None:
-            raise StoreError(f"{self.path} is gone: somebody has removed or moved the folder of this run while "
-                             "it was running")
+            raise StoreError(f"{self.path} is missing: somebody has removed or moved the folder of this run while it "
+                             "was running")
         if found.get("token") != self._mine["token"]:
             raise StoreError(f"{self.path} is of {_words(found)} now: it was taken from this process with --force")
         with suppress(OSError):
             os.utime(self.path)
 
     def release(self) -> None:
-        """Remove the lock if it is still that of this process. Raises nothing."""
+        """Remove the lock if this process still has it. Raises nothing."""
         with suppress(OSError, StoreError):
             if (_read(self.path) or {}).get("token") == self._mine["token"]:
                 self.path.unlink()
@@ -80,21 +78,18 @@ class Lock:
         return True
 
     def _clear(self, force: bool) -> None:
-        """Remove a lock whose process has ended, or any lock if `force`.
-
-        Raises StoreError if its process still runs.
-        """
+        """Remove a lock whose process has ended, with `force` also if that is unknown. Raises StoreError otherwise."""
         found = _read(self.path)
         if found is None:
             return
         alive = _alive(found)
         if alive or (alive is None and not force):
             raise StoreError(self._refusal(found, alive))
-        # Move it before looking again, so that of two processes only one removes it.
+        # Move it before reading it again, so that only one of two processes removes it.
         aside = self.path.with_name(f".{NAME}.{self._mine['token']}")
         with suppress(FileNotFoundError):
             os.rename(self.path, aside)
-            if (_read(aside) or {}).get("token") != found.get("token"):    # another process has been faster
+            if (_read(aside) or {}).get("token") != found.get("token"):    # another process was faster
                 with suppress(FileExistsError):
                     os.link(aside, self.path)
             aside.unlink()
@@ -111,7 +106,7 @@ class Lock:
                 "repeat the command with --force")
 
     def _silence(self) -> str:
-        """Return as text how long ago the lock was renewed, by the clock of its file system."""
+        """Return the time since the lock was renewed as text, by the clock of its file system."""
         probe = self.path.with_name(f".{NAME}.{self._mine['token']}")
         try:
             os.close(create(probe))
@@ -123,9 +118,9 @@ class Lock:
 
 
 def _read(path: Path) -> Found | None:
-    """Return the content of a lock file, {} if it cannot be understood, None if there is none."""
+    """Return the content of a lock file, {} if it is not valid, None if there is none."""
     try:
-        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)    # a pipe would be waited for
+        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)    # a pipe would block
     except FileNotFoundError:
         return None
     except OSError as error:
@@ -146,9 +141,9 @@ def _alive(found: Found) -> bool | None:
     if name != here or not isinstance(found.get("process"), int):
         return None
     if boot != booted:
-        return False    # the host has been started anew since
+        return False    # the host has been restarted since
     if found.get("processes") != _numbering():
-        return None     # in another container, where the same number means another process
+        return None     # in another container the same number means another process
     began = _began(found["process"])
     return began is not None and began == found.get("began")
 
@@ -161,7 +156,7 @@ def _words(found: Found) -> str:
 
 
 def _host() -> str:
-    """Return the name of this host and the id of its boot: no process survives a restart of the host."""
+    """Return the name of this host and the id of its boot, after which no earlier process runs."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     except OSError:
@@ -170,10 +165,7 @@ def _host() -> str:
 
 
 def _numbering() -> str:
-    """Return which numbering of processes this one is in (the PID namespace of Linux); "" if unknown.
-
-    Each container has its own.
-    """
+    """Return the PID namespace of this process, of which each container has its own; "" if unknown."""
     try:
         return os.readlink("/proc/self/ns/pid")
     except OSError:
@@ -181,13 +173,13 @@ def _numbering() -> str:
 
 
 def _began(process: int) -> str | None:
-    """Return when a process began, in the system's clock ticks; "" if unknown, None if it has ended.
+    """Return the start of a process in clock ticks; "" if unknown, None if it has ended.
 
-    Process ids are reused, but not together with the same start.
+    Process ids are reused, but not with the same start.
     """
     try:
         fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-        return None if fields[0] in "ZX" else fields[19]    # killed, and only its parent has not yet heard of it
+        return None if fields[0] in "ZX" else fields[19]    # Z, X: ended, and its parent has not waited for it yet
     except OSError:
         pass
     if Path("/proc/self/stat").exists():

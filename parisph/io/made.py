@@ -1,4 +1,4 @@
-"""How a run was made: by which case file with which parameters, when, where and by which command."""
+"""How a run was made: case file, parameters, date, machine and command."""
 
 import datetime
 import os
@@ -21,13 +21,13 @@ def of_run(comm: Communicator, case: Case) -> dict[str, Any]:
 
 
 def of_restart(comm: Communicator, case: Case) -> dict[str, Any]:
-    """Return how a run was made that goes on now, the same on every rank. Collective. Its case has the origin."""
+    """Return the origin of a case with an entry for this restart, the same on every rank. Collective."""
     earlier = case.origin.get("restarts")
     return {**case.origin, "restarts": [*(earlier if isinstance(earlier, list) else ()), _here(comm)]}
 
 
 def repeated(case: Case) -> list[str]:
-    """Return what to log of a case that is that of an earlier run."""
+    """Return lines for the log about the earlier run of a case, [] without one."""
     first = case.origin.get("repeats")
     if not isinstance(first, dict):
         return []
@@ -53,7 +53,7 @@ def _command() -> str:
 
 
 def lines(made: Any) -> list[tuple[str, str]]:
-    """Return (name, text) of how a run was made, for people. made : as in a case.json, which anybody may have edited"""
+    """Return how a run was made as (name, text), for people. made : as in a case.json, which may have been edited"""
     if not isinstance(made, dict):
         return []
     found = []

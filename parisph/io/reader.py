@@ -22,14 +22,15 @@ from parisph.io.folder import summary as summary_of
 from parisph.io.layout import INDEX, PEAKS
 from parisph.io.views import Snapshot, Table, rows_as_html
 
-FEW = 5    # damaged files that an error names
+FEW = 5    # most damaged files that an error names
 
 
 class Run:
-    """A finished or running run, read from its folder. Made by `open_run`. Every method raises
-    StoreError for files that cannot be read, and CaseError for an unknown probe.
+    """A finished or running run, read from its folder. Made by `open_run`.
 
-    case : the resolved case as in case.json; scene : the same as a Case, only to be looked at
+    Every method raises StoreError for files that cannot be read, and CaseError for an unknown probe.
+
+    case : the resolved case as in case.json; scene : the same as a Case, which cannot be run
     identity : of the run, which is in all its files; times : (n,) [s], of the snapshots
     """
 
@@ -42,7 +43,7 @@ class Run:
         self.case, self.scene = _case(self.folder / "case.json")
         self.identity = str(self.case.get("run", ""))
         found = snapshot.listed(self.folder / INDEX, self.identity)
-        if found is None:    # without an index of this run the files themselves say which snapshots there are
+        if found is None:    # without an index of this run, read the snapshots themselves
             found = snapshot.find(self.folder, self.identity)
             if not found and snapshot.run_of_index(self.folder / INDEX) not in (None, self.identity):
                 raise StoreError(f"{self.folder / 'case.json'} is of another run than the snapshots beside it")
@@ -68,14 +69,14 @@ class Run:
 
     def __repr__(self) -> str:
         rows = {name.lower(): text for name, text in self._rows()}
-        title = rows.pop("title", "")    # which an edited case.json may lack
+        title = rows.pop("title", "")    # an edited case.json may have none
         return plain(f"<run {self.folder}: {title!r}, {', '.join(f'{name} {text}' for name, text in rows.items())}>")
 
     def _repr_html_(self) -> str:
         return rows_as_html(str(self.folder), [], self._rows())
 
     def _rows(self) -> list[tuple[str, str]]:
-        """Return what a run is, in short: names and texts."""
+        """Return a short description of the run as (name, text)."""
         try:
             found = self.summary
         except StoreError:
@@ -88,11 +89,9 @@ class Run:
         return [(name, text) for name, text in rows if text]
 
     def snapshot(self, which: int | float = -1) -> Snapshot:
-        """Return the particles of a snapshot, given by its number (int; negative from the end) or the nearest time [s]
-        (float).
+        """Return the particles of a snapshot, see snapshot.read.
 
-        dict of arrays by the names of the field registry: x (n, dim) [m], u [m/s], p [Pa], role, kind,
-        id, ..., sorted by id; and `time` [s], `step`.
+        which : its number (int; negative from the end), or a time [s] (float), of which the nearest snapshot is taken
         """
         number = self.number(which)
         return snapshot.read(self.folder / self._files[number], self.times[number], self.identity, self._early)
@@ -100,7 +99,7 @@ class Run:
     def peak(self, name: str) -> Snapshot | None:
         """Return the particles at the greatest value of a probe, as from `snapshot`, with that value as `peak`.
 
-        None if the run has not kept them, which needs a probe with peak=True.
+        None if the run has not kept them. It keeps those of a probe with peak=True.
         """
         self._probe_path(name)
         path = self.folder / PEAKS / f"{name}.vtkhdf"
@@ -117,14 +116,11 @@ class Run:
 
     @property
     def missing(self) -> list[Path]:
-        """The files of snapshots that the index lists and that are not there."""
+        """The missing files of snapshots that the index lists."""
         return [path for path in self._paths if not path.exists()]
 
     def check(self) -> None:
-        """Read every snapshot and peak once.
-
-        Raises StoreError, which names a few of them, if any is damaged, missing or of another run.
-        """
+        """Read every snapshot and peak once. Raises StoreError, which names a few damaged, missing or foreign ones."""
         checks: list[Callable[[], object]] = [
             partial(snapshot.read_attributes, path, time, self.identity, self._early)
             for path, time in zip(self._paths, self.times)]
@@ -150,14 +146,11 @@ class Run:
         return int(np.argmin(np.abs(self.times - which)))
 
     def probe(self, name: str) -> Table:
-        """Return a probe's series as a structured array with columns time [s], step and the probe's own.
-
-        `.to_pandas()` of it is a DataFrame.
-        """
+        """Return a probe's series as a structured array with columns time [s], step and the probe's own."""
         return self._series(self._probe_path(name))
 
     def units(self, name: str) -> dict[str, str]:
-        """Return the unit of each column of a probe as a dict."""
+        """Return {column: unit} of a probe."""
         return self._units(self._probe_path(name))
 
     def _units(self, path: Path) -> dict[str, str]:
@@ -181,7 +174,7 @@ class Run:
 
     @property
     def _early(self) -> bool:
-        """Whether the run is from before runs had identities, and its files digests."""
+        """Whether the run has no identity, and its files no digests."""
         return not self.identity
 
     @property
@@ -197,7 +190,7 @@ class Run:
 
     def _series(self, path: Path, each_step: bool = False) -> Table:
         found = series.table(*series.read_own(path, self.identity, each_step))
-        check_unchanged(path, summary_of(self.folder), str(path.relative_to(self.folder)))    # last, as it says less
+        check_unchanged(path, summary_of(self.folder), str(path.relative_to(self.folder)))    # the least precise check
         return Table.of(found, path.stem, self._units(path))
 
     def _probe_path(self, name: str) -> Path:
@@ -218,10 +211,7 @@ def _case(path: Path) -> tuple[dict[str, Any], Case]:
 
 
 def open_run(folder: AnyPath) -> Run:
-    """Return the Run in `folder`, for notebooks and pictures. Warns of missing snapshots.
-
-    Raises StoreError if there is none.
-    """
+    """Return the Run in `folder`; log a warning if snapshots are missing. Raises StoreError if there is no run."""
     run = Run(folder)
     if run.missing:
         logger.warning(f"{run.folder} lacks {len(run.missing)} of its {len(run)} snapshots; "
@@ -230,5 +220,5 @@ def open_run(folder: AnyPath) -> Run:
 
 
 def _some(faults: Sequence[str]) -> str:
-    """Return a few messages, one a line, and the number of the others."""
+    """Return a few messages, one per line, and the number of the others."""
     return "\n".join([*faults[:FEW], *([f"and {len(faults) - FEW} more files"] if len(faults) > FEW else [])])

@@ -1,8 +1,8 @@
 """Time series of a run as CSV files: one line per step or sample.
 
-A file starts with comment lines "# ..." (title, units), then the names of the columns, of which the
-first two are always time and step, then the values. Each line is passed to the system when it is
-complete, so that a killed process loses none; an incomplete last line is ignored.
+A file starts with comment lines "# ..." (title, units). The names of the columns follow, first time and step, then the
+values. Each line is passed to the system when it is complete, so that a killed process loses none. An incomplete last
+line is ignored.
 """
 
 import math
@@ -28,11 +28,10 @@ class SeriesFile:
 
     columns : {name: unit, "" for none}; `time` and `step` are added in front
     title : one line of description
-    keep_to : None to start a new file, or the last step whose lines are kept (restart)
+    keep_to, until : None to start a new file, else last step and time [s] of the lines that are kept (restart)
     run : identity of the run that writes it, or ""
-    until : of the lines up to `keep_to`, those of later times [s] are not kept either
 
-    Of an old file with other columns, as an older release wrote it, those of the same name go on; new ones are empty.
+    If an older release wrote the file with other columns, those of the same name continue; new ones are empty.
 
     Raises StoreError: the old file is damaged, or of another run
     """
@@ -46,7 +45,7 @@ class SeriesFile:
         head = ([f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line]
                 + [",".join(self.columns)])
         write_text(self.path, "\n".join(head + kept) + "\n")
-        # not buffered: a line that the disk refuses must not come back when the file is closed
+        # not buffered: a line that the disk refuses must not be written later, when the file is closed
         self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW)
 
     def append(self, time: float, step: int, values: Sequence[float | str | None]) -> None:
@@ -55,7 +54,7 @@ class SeriesFile:
             raise ValueError(f"{self.path.name} has {len(self.columns) - 2} values a line, got {len(values)}")
         line = (",".join(_text(value) for value in (time, step, *values)) + "\n").encode()
         written = os.write(self._file, line)
-        while written < len(line):    # the disk has little room left: the next call says so
+        while written < len(line):    # the disk is nearly full: the next call raises
             written += os.write(self._file, line[written:])
 
     def close(self) -> None:
@@ -94,7 +93,7 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
     names: list[str] = []
     lines: list[list[str]] = []
     before: tuple[float, int] | None = None
-    text = text[: text.rfind("\n") + 1]    # a last line without its end was cut off by a kill
+    text = text[: text.rfind("\n") + 1]    # without an incomplete last line
     for number, row in enumerate(text.split("\n")[:-1], 1):
         if row.startswith(OF_RUN_LINE) and run and row[len(OF_RUN_LINE):].strip() != run:
             raise StoreError(f"{path} is of another run")
@@ -116,17 +115,17 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
 
 def _checked(path: Path, number: int, cells: list[str], count: int, before: tuple[float, int] | None,
              each_step: bool) -> tuple[float, int]:
-    """Return (time, step) of a line of a SeriesFile. Raises StoreError if the line cannot be one that was written."""
+    """Return (time, step) of a line of a SeriesFile. Raises StoreError for a damaged line."""
     try:
         if len(cells) != count or not all(cell.isprintable() and '"' not in cell for cell in cells):
             raise ValueError
         time, step = float(cells[0]), int(cells[1])
     except ValueError:
-        raise StoreError(f"{path} is damaged: line {number} does not hold {count} values. "
-                         "Mend the file or move it away") from None
+        raise StoreError(f"{path} is damaged: line {number} does not have {count} values. "
+                         "Repair the file or move it away") from None
     if before and (not time > before[0] or step < before[1] or (each_step and step != before[1] + 1)):
         raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at "
-                         f"{before[0]:g} s. Mend the file or move it away")
+                         f"{before[0]:g} s. Repair the file or move it away")
     return time, step
 
 

@@ -1,14 +1,12 @@
 """Write arrays that are distributed over the ranks into one HDF5 file.
 
-Rank 0 creates the file alone: groups, attributes, and datasets with their full size on the disk.
-Then every rank writes its rows to their place in the file with plain system calls; a rank without
-rows writes nothing. HDF5's own parallel writing is not used: if a folder disappears while the
-ranks open a file, some are refused and the others wait for them forever. Here no rank waits
-inside a call, and an error on any of them is raised on all.
+Rank 0 creates the file alone: groups, attributes, and datasets with their full size on the disk. Then every rank writes
+its rows to their place in the file with plain system calls. HDF5's own parallel writing is not used: if a folder
+disappears while the ranks open a file, some get an error and the others wait for them forever. Here no rank waits
+inside a call, and an error on one is raised on all.
 
-HDF5 itself must never run into a full disk: HDF5 1.10 ends the process if it cannot write the last
-blocks of a file when it closes the file. The space for the rows and for everything else in the file
-is therefore reserved before.
+HDF5 must never meet a full disk: HDF5 1.10 ends the process if it cannot write the last blocks of a file when it closes
+it. So the space for the whole file is reserved before.
 """
 
 import errno
@@ -35,7 +33,7 @@ METADATA = 1 << 20  # bytes for what HDF5 adds to the rows and to what `decorate
 class Slab:
     """The rows of one dataset that this rank owns.
 
-    path : name of the dataset in the file; data : (n, ...) this rank's rows
+    path : name of the dataset in the file; data : (n, ...) rows of this rank
     start, total : first row of this rank, and number of rows on all ranks
     attributes : of the dataset (rank 0's are written)
     """
@@ -64,7 +62,7 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
         on_first(comm, doing, lambda: publish(path))
     except Exception:
         if comm.rank == 0:
-            with suppress(OSError):    # what went wrong first is what is raised
+            with suppress(OSError):    # the first cause is the one to report
                 hidden.unlink(missing_ok=True)
         raise
 
@@ -84,10 +82,9 @@ def _lay_out(path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], 
     except OSError as error:
         if error.errno is not None or path.exists():
             raise
-        # HDF5 only reports that it has no information
+        # HDF5 does not report the cause
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path)) from error
-    # HDF5 has freed the blocks again. Reserve them for good, so that a full disk is an error here, and
-    # not on some rank in the middle of its rows.
+    # HDF5 has freed the blocks. Reserve them again, so that a full disk raises here and not on a rank amid its rows.
     handle = os.open(path, os.O_RDWR)
     try:
         os.posix_fallocate(handle, 0, os.fstat(handle).st_size)
@@ -97,7 +94,7 @@ def _lay_out(path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], 
 
 
 def _size(slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> int:
-    """Return the bytes of the rows of all ranks and of what `decorate` writes, with room: a long case has many."""
+    """Return the bytes of the rows of all ranks and of the content of `decorate`, with a margin."""
     with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
         decorate(file)
         file.flush()
@@ -113,7 +110,7 @@ def _allocate(file: h5py.File, slab: Slab) -> h5py.Dataset:
     layout.set_layout(h5py.h5d.CONTIGUOUS)
     layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    layout.set_obj_track_times(False)    # files of the same content are the same
+    layout.set_obj_track_times(False)    # equal contents give equal files
     space = h5py.h5s.create_simple((slab.total, *slab.data.shape[1:]))
     kind = h5py.h5t.py_create(slab.data.dtype, logical=True)
     return h5py.Dataset(h5py.h5d.create(group.id, name.encode(), kind, space, layout))

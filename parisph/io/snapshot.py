@@ -1,10 +1,9 @@
 """Snapshots: the particles at one time, in VTKHDF files that ParaView, VTK and h5py read.
 
-Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one piece, which
-VTK reads since 9.1 (PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle,
-/VTKHDF/PointData/<name>, /VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero.
-Attributes of the root say how the run was made: case (JSON), method, versions and so on. Behind the
-HDF5 part is a digest of the file (parisph.io.digest).
+Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one piece, which VTK reads since 9.1
+(PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle, /VTKHDF/PointData/<name>,
+/VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero. Attributes of the root: case (JSON), method,
+versions and so on. After the HDF5 part there is a digest (parisph.io.digest).
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,13 +32,13 @@ VERTEX = 1  # VTK's number for a cell of one point
 
 
 class Written(Protocol):
-    """This rank's rows of what is written: Particles, or a copy of some.
+    """This rank's rows of a snapshot: Particles, or a copy of their fields.
 
-    It has the fields as attributes, and dim; n_owned, offset : rows of this rank, and its first; n_global : of all
+    It has the fields as attributes, and dim; n_owned, offset : number of rows of this rank, and its first; n_global
     """
 
     def __getattr__(self, name: str) -> Any:
-        """Return the rows of a field, or one of these numbers."""
+        """Return the rows of a field, or a number."""
 
 
 def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],
@@ -50,7 +49,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
     fields : names in the field registry; id, kind and role are always written
     attributes : of the root of the file
 
-    Raises StoreError on every rank, for an unknown field or a failing disk.
+    Raises StoreError on every rank: an unknown field, or the disk fails.
     """
     n, start, total = particles.n_owned, particles.offset, particles.n_global
     names = check_fields(fields)
@@ -68,11 +67,10 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
 def read(path: AnyPath, time: float | None = None, run: str = "", early: bool = False) -> Snapshot:
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
-    x (n, dim) [m], id, kind, role, and all other fields in the file: u (n, dim) [m/s], p (n) [Pa], ...
-    Rows are sorted by id, so that a row is the same particle in every snapshot; `time` [s] and
-    `step` are in the dict too. Not collective.
+    x (n, dim) [m], id, kind, role, all other fields in the file, as u (n, dim) [m/s] and p (n,) [Pa], and `time` [s],
+    `step`. Rows are sorted by id, so that a row is the same particle in every snapshot. Not collective.
 
-    time [s], run : the expected time, and the expected run (its identity); None and "" accept any
+    time [s], run : expected time and identity of the run; None and "" accept any
     early : whether the run has no identity, and its files perhaps no digest (io.digest)
 
     Raises StoreError: the file does not match its digest, is not a snapshot, or not the expected one.
@@ -96,17 +94,14 @@ def read_attributes(path: AnyPath, time: float | None = None, run: str = "", ear
 
 @contextmanager
 def _opened(path: AnyPath, time: float | None, run: str, early: bool) -> Iterator[h5py.File]:
-    """Open a snapshot as h5py.File after a check of its digest.
-
-    Raises StoreError, also if the body finds something missing.
-    """
+    """Open a snapshot as h5py.File after a check of its digest. Raises StoreError, also if the block lacks an entry."""
     path = Path(path)
     digest.check(path, early)
     try:
         with h5py.File(path, "r") as file:
             _check_expected(path, file.attrs, time, run)
             if early and file.attrs.get("run"):
-                digest.check(path)    # it is of a later run, and has a digest
+                digest.check(path)    # files of a run with an identity have one
             yield file
     except (OSError, KeyError, ValueError) as error:
         raise StoreError(f"{path} is not a snapshot of parisph: {error}") from None
@@ -128,10 +123,9 @@ def write_index(path: Path, files: Sequence[str], times: Sequence[float], run: s
 
 
 def listed(path: Path, run: str = "") -> dict[str, float] | None:
-    """Return {file name relative to the index: time [s]} of an index; None if it is missing, unreadable or of another
-    run.
+    """Return {file name relative to the index: time [s]} of an index; None without a readable one of this run.
 
-    The index is made for ParaView, and saves time here; the files themselves are decisive. Not collective.
+    The index is made for ParaView, and saves time here; the snapshots decide. Not collective.
     """
     try:
         content = read_json(path, needs_digest=True)
@@ -142,10 +136,7 @@ def listed(path: Path, run: str = "") -> dict[str, float] | None:
 
 
 def run_of_index(path: Path) -> str | None:
-    """Return the identity of the run that an index is of, None if there is no index that can be read.
-
-    Not collective.
-    """
+    """Return the identity of the run of an index, None without a readable index. Not collective."""
     try:
         return str(read_json(path).get("run", ""))
     except StoreError:
@@ -153,10 +144,7 @@ def run_of_index(path: Path) -> str | None:
 
 
 def find(folder: Path, run: str = "") -> dict[str, float]:
-    """Return {file name relative to the folder of a run: time [s]} by reading each snapshot of the run. Not collective.
-
-    Damaged files and files of other runs are left out, with a warning for the damaged ones.
-    """
+    """Return {file name relative to the folder of a run: time [s]} from its own snapshots. Not collective."""
     found = {}
     for path in sorted((folder / "snapshots").glob("*.vtkhdf")):
         time = time_of_own(path, run)
@@ -166,10 +154,7 @@ def find(folder: Path, run: str = "") -> dict[str, float]:
 
 
 def time_of_own(path: Path, run: str) -> float | None:
-    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run.
-
-    Not collective.
-    """
+    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run."""
     if path.is_symlink() or not path.is_file():
         return None
     try:
@@ -181,9 +166,9 @@ def time_of_own(path: Path, run: str) -> float | None:
 
 
 def check_fields(fields: Iterable[str]) -> list[str]:
-    """Return the names of the arrays in a snapshot of `fields`, apart from the positions.
+    """Return the names of the arrays in a snapshot of `fields`, without the positions.
 
-    Raises StoreError for a field that is not in the registry, or cannot be written to snapshots.
+    Raises StoreError for a field that is not in the registry, or not for snapshots.
     """
     known = [name for name, field in FIELDS.items() if field.written and name != "x"]
     unknown = [name for name in fields if name not in known and name != "x"]
@@ -193,7 +178,7 @@ def check_fields(fields: Iterable[str]) -> list[str]:
 
 
 def _three(vectors: Floats) -> Floats:
-    """Return (n, 3) vectors: VTK allows no other number of components."""
+    """Return vectors (n, 3), the only number of components that VTK allows."""
     if vectors.shape[1] == 3:
         return vectors
     padded = np.zeros((len(vectors), 3))
@@ -205,7 +190,7 @@ def _cells(n: int, start: int, total: int) -> list[Slab]:
     """Return one vertex cell per particle, so that ParaView's filters can select particles."""
     numbers = np.arange(start, start + n, dtype=np.int64)
     ends, first = numbers + 1, start + 1
-    if start == 0 and (n > 0 or total == 0):  # offsets have one entry more than cells: a leading zero
+    if start == 0 and (n > 0 or total == 0):  # offsets have a leading zero, one entry more than cells
         ends, first = np.concatenate(([0], ends)), 0
     return [
         Slab("VTKHDF/Connectivity", numbers, start, total),
@@ -220,7 +205,7 @@ def _decorate(file: h5py.File, total: int, time: float, step: int, attributes: M
     group.attrs["Version"] = np.array([1, 0], dtype=np.int64)
     # VTK asks for an ASCII string of fixed length here.
     group.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", len("UnstructuredGrid")))
-    for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):    # one entry a piece
+    for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):    # one entry for each piece
         group[name] = np.array([total], dtype=np.int64)
     group["FieldData/TimeValue"] = np.array([time], dtype=np.float64)
     group["FieldData/Step"] = np.array([step], dtype=np.int64)

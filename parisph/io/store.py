@@ -34,7 +34,7 @@ class Store:
     run : identity of the run, which is written to all its files
     about : how the run is made; written to all later files
     times : [s], of the snapshots written so far (on rank 0 only)
-    notes : (level of the log, text) of what was done to the folder before the run goes on; rank 0 logs its own
+    notes : (level of the log, text) of changes to the folder before the run continues, for the log of rank 0
     """
 
     def __init__(self, comm: Communicator, folder: AnyPath, case: str, about: Mapping[str, str | float],
@@ -75,15 +75,13 @@ class Store:
                checkpoints: Sequence[str] = ()) -> "Store":
         """Continue to write a run from a checkpoint at `time` [s] and `step`. Collective.
 
-        In the folder of the same run, files that it wrote after the checkpoint are moved to replaced/N:
-        snapshots, peaks, checkpoints, the summary, and copies of the time series, which are cut back to `step` (when
-        `add_series` opens them). A missing case.json is written again. Nothing else is changed. In an empty folder a
-        new run begins at the checkpoint.
+        In the folder of the same run, files from after the checkpoint are moved to replaced/N: snapshots, peaks,
+        checkpoints, the summary, and copies of the time series, which `add_series` cuts back to `step`. A missing
+        case.json is written again. Nothing else is changed. In an empty folder a new run begins at the checkpoint.
 
         run : identity of the checkpoint's run, by default that in `case`
-        series : names of the time series that will be added; they are checked before anything is changed
-        checkpoints : file names of the run's checkpoints, as the state of the last one lists them; ignored in an empty
-            folder
+        series : names of the time series that will be added; they are checked before any change
+        checkpoints : file names of the run's checkpoints, listed in the state of the last; unused in an empty folder
         Other parameters as for `create`.
 
         Raises StoreError on every rank: as for `create`, a file is damaged, or the folder holds another run.
@@ -101,7 +99,7 @@ class Store:
         """Open the time series DIR/<name>.csv ("steps", "probes/P2", ...).
 
         columns : {name: unit, "" for none}; the columns time [s] and step are added in front
-        until : in a resumed run, lines of later times [s] are taken out, too
+        until : in a resumed run, last time [s] of lines that are kept
         """
         def add() -> None:
             path = self.folder / f"{name}.csv"
@@ -112,15 +110,14 @@ class Store:
         on_first(self.comm, f"write {self.folder / name}.csv", add)
 
     def append(self, time: float, step: int, values: Mapping[str, Sequence[Any]] | None) -> None:
-        """Add a line to time series: values = {name: sequence of the further columns' values}.
+        """Add a line to time series. Raises StoreError if this run has lost the lock of the folder.
 
-        Rank 0's values are written; the other ranks may pass None. From time to time this checks that the folder is
-        still locked by this run, and raises StoreError if it is not.
+        values : {name: values of the further columns}, of rank 0; others may pass None
         """
         self.append_all([(time, step, values)])
 
     def append_all(self, lines: Sequence[tuple[float, int, Mapping[str, Sequence[Any]] | None]]) -> None:
-        """Do what `append` does for several (time, step, values), which other ranks agree about with one message."""
+        """Do `append` for several (time, step, values), with one message between the ranks."""
         def add() -> None:
             if self.lock is not None:
                 self.lock.check()
@@ -146,7 +143,8 @@ class Store:
         """Write the particles at the greatest value of a probe; the file of an earlier peak is replaced.
 
         name, value : of the probe, at `time` [s]
-        keep : whether the earlier file is kept as peaks/before/NAME.vtkhdf, because the last checkpoint knows it
+        keep : whether the earlier file becomes peaks/before/NAME.vtkhdf, because a restart from the last checkpoint
+            needs it
         """
         path = self.folder / PEAKS / f"{name}.vtkhdf"
 
@@ -168,10 +166,7 @@ class Store:
         return path
 
     def summary(self, content: Mapping[str, Any]) -> None:
-        """Write summary.json from rank 0's dict, with the digests of the time series.
-
-        numpy's numbers become plain ones, and NaN null.
-        """
+        """Write summary.json from the dict of rank 0 (files.write_json), with the digests of the time series."""
         def write() -> None:
             files = folders.digests(self.folder, [f"{name}.csv" for name in self._series])
             write_json(self.folder / "summary.json", {"run": self.run, **content, "files": files})
@@ -218,7 +213,7 @@ class Store:
         late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]
         late.append(self.folder / "summary.json")
         results = [path for path in (*late[:-1], *cut) if path.exists()]
-        snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
+        snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # before files that it names move
         ended, case = late[-1].exists(), [self.folder / "case.json"] * folders.is_edited(self.folder)
         aside = folders.move_aside(self.folder, late, copied=[*cut, *case])
         self._put_peaks_back(time)
@@ -226,7 +221,7 @@ class Store:
 
     def _note(self, without_case: bool, step: int, aside: Path | None, results: bool, ended: bool,
               edited: bool) -> None:
-        """Note what was found missing, and the folder that earlier results were moved to, or the summary alone.
+        """Note missing files, and the folder of the moved results.
 
         results, ended : whether there are results after the checkpoint, and whether there was a summary
         edited : whether a copy of case.json is kept
@@ -245,10 +240,9 @@ class Store:
                                f"only the earlier summary was moved to {aside}; no other result is replaced"))
 
     def _take_stock(self, time: float) -> list[Path]:
-        """Find the run's snapshots up to `time` [s], and return those that it wrote later.
+        """Find the run's snapshots up to `time` [s], and return the later ones.
 
-        The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not
-        changed.
+        The snapshots decide; the index only saves time. Unreadable files and files of other runs stay.
         """
         listed = snapshot.listed(self.folder / INDEX, self.run) or {}
         kept: list[tuple[float, str]] = []
@@ -256,7 +250,7 @@ class Store:
         for path in sorted((self.folder / "snapshots").glob("*.vtkhdf")):
             name = f"snapshots/{path.name}"
             at = listed.get(name)
-            # about to be taken in, or moved: the file itself must say so
+            # before a file is added or moved, read its own time
             if at is None or at > time or path.is_symlink():
                 at = snapshot.time_of_own(path, self.run)
             if at is not None:
@@ -272,7 +266,7 @@ class Store:
         return [path for path, at in zip(paths, times) if at is not None and at > time]
 
     def _put_peaks_back(self, time: float) -> None:
-        """Give the peaks that the checkpoint of `time` [s] knows their places again, where later ones have gone."""
+        """Restore the peaks of the checkpoint of `time` [s] in place of later ones that were moved away."""
         for path in sorted((self.folder / BEFORE).glob("*.vtkhdf")):
             place, at = self.folder / PEAKS / path.name, snapshot.time_of_own(path, self.run)
             if at is not None and at <= time and not place.exists():
@@ -286,7 +280,7 @@ class Store:
         return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
 
     def _keep_columns(self, path: Path, columns: Mapping[str, str]) -> None:
-        """Keep a copy of a time series of an older release that has further columns, which its restart leaves out."""
+        """Copy a time series of an older release if it has columns that a restart leaves out."""
         lost = [name for name in units(path) if name not in ("time", "step", *columns)] \
             if self._here and path.is_file() else []
         if lost:
@@ -298,7 +292,7 @@ class Store:
         """Return a note on lost lines for the title of a time series; "" if none are lost."""
         if not self._here or not self._keep_to or self._keep_to < 0 or path.exists():
             return ""
-        logger.warning(f"{path} is missing: it begins again after step {self._keep_to}; what it held before is lost")
+        logger.warning(f"{path} is missing: it begins again after step {self._keep_to}, without the lines before")
         return f" (lines up to step {self._keep_to} are missing: there was no file at a restart)"
 
 
@@ -311,8 +305,7 @@ def _last_step(path: Path, run: str) -> int:
 def provenance(method: str = "", petsc_options: str = "", **versions: str | None) -> dict[str, str]:
     """Return how a run is made, for the attributes of its files. Not collective.
 
-    method : name; petsc_options : those in force, as text; versions : of libraries that this
-    module does not know (petsc, hypre, mpi), e.g. petsc="3.18.5".
+    method : name; petsc_options : as text; versions : of libraries without Python metadata, as petsc="3.18.5"
     """
     found = {"hdf5": h5py.version.hdf5_version}
     for name in ("numpy", "numba", "h5py", "mpi4py", "petsc4py", "pydantic"):

@@ -1,4 +1,4 @@
-"""What `open_run` returns, as it shows itself: tables that know their units, and text and HTML for notebooks."""
+"""Tables with units and snapshots of a run, shown as text and as HTML in notebooks."""
 
 import html
 from collections.abc import Mapping, Sequence
@@ -13,17 +13,14 @@ SHOWN = 6    # rows of a table, at its start and its end
 
 
 class Table(np.ndarray[Any, Any]):
-    """A structured array, one row per sample or step, that knows its name and its units: `units`, {column: unit}.
-
-    A column is a plain array.
-    """
+    """A structured array with one row per sample or step; its columns are plain arrays. units : {column: unit}"""
 
     name: str
     units: dict[str, str]
 
     @classmethod
     def of(cls, rows: Array, name: str, units: Mapping[str, str]) -> "Table":
-        """Return rows, which are not copied, as a Table."""
+        """Return a view of rows as a Table."""
         table = rows.view(cls)
         table.name, table.units = name, dict(units)
         return table
@@ -37,10 +34,7 @@ class Table(np.ndarray[Any, Any]):
         return found if whole or not isinstance(found, np.ndarray) else found.view(np.ndarray)
 
     def to_pandas(self) -> Any:
-        """Return a pandas.DataFrame with these columns; its `attrs` have the units.
-
-        Raises MissingLibrary where there is no pandas.
-        """
+        """Return a pandas.DataFrame with the units in its `attrs`. Raises MissingLibrary without pandas."""
         try:
             import pandas
         except ImportError:
@@ -89,7 +83,7 @@ class Snapshot(dict[str, Any]):
 
 
 def rows_as_html(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table as HTML, with all texts escaped: a run's files may come from anybody."""
+    """Return a table as HTML, with all texts escaped: files of a run may be anybody's."""
     head = "".join(f"<th>{html.escape(name)}</th>" for name in headings)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f"<table><caption>{html.escape(title)}</caption>{f'<tr>{head}</tr>' if head else ''}{body}</table>"

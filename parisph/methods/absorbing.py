@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from parisph.base.arrays import Floats
 from parisph.methods.parts import FORCES, ForceTerm
 
@@ -27,11 +25,8 @@ class Absorption(ForceTerm):
         flow.step.absorbed = own[:flow.particles.n_owned]
         out += own
 
-    def work(self, flow: "Flow", start: Floats) -> float:
-        """Return the force times the mean of the old and new velocities, a part of the change of kinetic energy."""
-        p = flow.particles
-        power = np.einsum("ia,ia->i", flow.step.absorbed, 0.5 * (start + p.u))
-        return flow.density * flow.step.dt * float(p.volume @ power)
+    def given(self, flow: "Flow") -> Floats:
+        return flow.step.absorbed
 
 
 FORCES.register(Absorption())

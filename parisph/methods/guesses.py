@@ -10,10 +10,10 @@ from parisph.parallel.particles import Particles
 class Guesses:
     """The pressure of the last step, and extrapolations in time along the paths of particles.
 
-    The solve takes the last pressure if it still solves the equation, as at rest. Otherwise it starts from the guess
-    with the least residual, and iterates even if that solves the equation (pressure.system.CLOSER). In waves the best
-    guess is the quadratic or the cubic one: a third fewer iterations, and another sixth fewer with the cubic. In
-    violent flow, where pressures come and go, the linear and the quadratic one alternate, with a fifth fewer.
+    The solve keeps the last pressure if its residual is within the tolerance, as at rest. Otherwise it starts from the
+    guess with the least residual; an extrapolation within the tolerance is still refined (pressure.system.CLOSER). In
+    waves the quadratic guess saves a third of the iterations from the last pressure, the cubic one a sixth of the rest.
+    In violent flow pressures come and go: the best guess, linear or quadratic, changes by step and saves a fifth.
 
     waves : whether the last extrapolations are quadratic and cubic
 

@@ -48,10 +48,10 @@ if TYPE_CHECKING:
 INFLATION = 6.0    # tuned 3 to 12: limit on the variance of a slope where water does not break; measured
 NEVER = -1.0    # no harmonic terms
 RAPID_INFLATION = 60.0    # tuned 30 to 120: limit on that variance on a surface that breaks; measured
-# In wall rows on a lattice, harmonic terms raise it by 1.3 to 1.4, by 2.8 just below the surface, and by 5 in corners.
-# Harmonic rows below the tip of a tongue delay it: with limits of 3 and more the dam break (H/s = 40) comes to the wall
-# .02 sqrt(H/g) late, with 1.8 and 2.5 it does not. Chosen on three starts; on three others P2 errs by .042, and by .055
-# with SFDI rows.
+# In wall rows on a lattice, harmonic terms multiply the variance by 1.3 to 1.4, just below the surface by 2.8, and in
+# corners by 5. Harmonic rows below the tip of a tongue of water delay it: with a limit of 3 or more the dam break
+# (H/s = 40) reaches the wall .02 sqrt(H/g) late, with 1.8 or 2.5 in time. The limit was chosen on three starts. On
+# three other starts the error of P2 is .042, with SFDI wall rows .055.
 RAPID_WALL_INFLATION = 2.5    # tuned 1.25 to 5: limit on that variance in wall rows of water that breaks; measured
 # Floors of det/(trace/dim)^dim of the neighbours' moment, below which a particle is ballistic.
 FLOOR = 0.05        # tuned 0.025 to 0.1: floor of the neighbours' moment with the plain weight, else ballistic; judged

@@ -178,12 +178,20 @@ class ForceTerm(Part):
     def add(self, out: Floats, flow: "Flow", time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
+    def given(self, flow: "Flow") -> Floats:
+        """Return the acceleration (n_owned, dim) [m/s^2] that it added in this step, if it has a cause."""
+        raise NotImplementedError
+
     def work(self, flow: "Flow", start: Floats) -> float:
         """Return the energy that it gave to owned fluid in the step [J, in 2D J/m], if it has a cause. Not collective.
 
+        It is the force times the mean of the old and new velocities, a part of the change of kinetic energy.
+
         start : (n_owned, dim) velocity before the step [m/s]
         """
-        return 0.0
+        p = flow.particles
+        power = np.einsum("ia,ia->i", self.given(flow), 0.5 * (start + p.u))
+        return flow.density * flow.step.dt * float(p.volume @ power)
 
 
 class Regulariser(Part):

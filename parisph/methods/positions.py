@@ -15,7 +15,7 @@ from parisph.parallel.sums import sums
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# The error is at most a thousandth of a small move.
+# The solver caps the product at a relative residual of 1e-3 (pressure.solver.LOOSEST), enough for small displacements.
 SLACK = 1e3  # tuned 500 to 2000: tolerance of the position solve over that of the pressure; judged
 CAP = 0.1    # tuned 0.05 to 0.2: longest move of the position projection and of the shift, in spacings; judged
 LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way; judged

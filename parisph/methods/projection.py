@@ -429,10 +429,11 @@ class Projection:
         return out
 
     def _write_residual(self, dt: float) -> None:
-        """Write the divergence of the new velocity, with that of walls, at the operators of the step. Collective.
+        """Write the divergence of the new velocity with the operators of the step. Collective.
 
-        With the walls' velocity a step earlier, water beside a moving wall would seem to change its volume in
-        proportion to the step: waves in a swaying tank differed by .8 % from those in its frame, now by .02 %.
+        Walls have their velocity at the end of the step. With that at its start, water beside a moving wall seems to
+        change its volume in proportion to dt: waves in a tank that sways then differ by .8 % from those computed in
+        the frame of the tank, instead of by .02 %.
         """
         flow = self.flow
         flow.fresh("u")

@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from parisph.base.arrays import Floats
 from parisph.methods import lengths
 from parisph.methods.parts import FORCES, ForceTerm
@@ -27,10 +25,8 @@ class WallFriction(ForceTerm):
         flow.domain.update("friction")
         out += p.friction_all
 
-    def work(self, flow: "Flow", start: Floats) -> float:
-        p = flow.particles
-        power = np.einsum("ia,ia->i", p.friction, 0.5 * (start + p.u))
-        return flow.density * flow.step.dt * float(p.volume @ power)
+    def given(self, flow: "Flow") -> Floats:
+        return flow.particles.friction
 
 
 FORCES.register(WallFriction())

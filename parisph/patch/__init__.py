@@ -1,1 +1,1 @@
-"""Patch tests: what operators make of a field whose derivatives are known, on particles of the unit square or cube."""
+"""Patch tests: operators on fields with known derivatives, on particles of the unit square or cube."""

@@ -11,8 +11,8 @@ from parisph.base.errors import CaseError
 from parisph.base.text import class_name, of_error, shown
 from parisph.case.model import Model
 
-STEP = {"gradient": 1e-4, "laplacian": 1e-3}    # of the differences that exact derivatives are compared with
-SLACK = 0.05    # of the largest one in any direction, within which they must agree
+STEP = {"gradient": 1e-4, "laplacian": 1e-3}    # of the finite differences that check exact derivatives
+SLACK = 0.05    # largest error of an exact derivative, over the largest difference in any direction
 
 Values = Callable[[Floats], Floats]
 
@@ -20,8 +20,8 @@ Values = Callable[[Floats], Floats]
 class AnalyticField(Model):
     """A field of the unit square or cube. Its functions take positions (n, dim) and must accept any n.
 
-    name : for tables; value : -> (n,); gradient : -> (n, dim), for gradients and for Neumann sides;
-    laplacian : -> (n,), for Laplacians; formula : for titles
+    name : for tables; formula : for titles; value : -> (n,); gradient : -> (n, dim), for gradients and Neumann sides;
+    laplacian : -> (n,), for Laplacians
     """
 
     name: str = Field(min_length=1, max_length=40, description="name of the field")
@@ -40,7 +40,7 @@ class AnalyticField(Model):
         return function
 
     def values(self, x: Floats) -> Floats:
-        """Return the field at positions (n, dim): (n,). Raises CaseError for a function that fails."""
+        """Return the field at positions (n, dim): (n,). Raises CaseError if the function fails."""
         return self._call("value", x, (len(x),))
 
     def gradients(self, x: Floats) -> Floats:
@@ -54,7 +54,7 @@ class AnalyticField(Model):
     def check(self, dim: int, derivatives: tuple[str, ...]) -> None:
         """Raise CaseError if a derivative, "gradient" or "laplacian", is missing or is not that of the value.
 
-        It is compared with differences of the value at a few points of the unit square or cube.
+        It is compared with finite differences at 20 points of the unit square or cube.
         """
         x = np.random.default_rng(0).uniform(0.1, 0.9, (20, dim))
         f = self.values(x)
@@ -70,7 +70,7 @@ class AnalyticField(Model):
                                 f"instead of {shown(np.round(found[k], 4))} at {shown(np.round(x[k], 3))}")
 
     def _differences(self, x: Floats, f: Floats, name: str) -> Floats:
-        """Return first or second differences of the value f at x in each direction, (n, dim)."""
+        """Return first or second derivatives in each direction at x by differences, (n, dim). f : value at x (n,)"""
         step, dim = STEP[name], x.shape[1]
         pairs = [(self.values(x + step * unit), self.values(x - step * unit)) for unit in np.eye(dim)]
         if name == "gradient":

@@ -1,7 +1,7 @@
 """Particles of the unit square or cube, on a lattice or displaced from it, with or without walls.
 
-Disorder is that of the papers (Z14 Sec. 2.2, Z17 Sec. 5.1): each particle is moved by k s (Rn - 1/2) in each direction,
-with Rn uniform in [0, 1).
+Particles are displaced as in the papers (Z14 Sec. 2.2, Z17 Sec. 5.1): by k s (Rn - 1/2) in each direction, with Rn
+uniform in [0, 1).
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ class Arrangement:
     """Particles and their lattice.
 
     x, normal : (n, dim) [m]; kind, corner, role : (n,) int8
-    index : (n, dim) int, place on the lattice; cells : (dim,) int, of the square
-    inside : (n,) bool, those of the square itself, without walls and without those around it
+    index : (n, dim) int, place on the lattice; cells : (dim,) int, number of cells of the square
+    inside : (n,) bool, whether a particle is fluid of the square itself
     spacing : s [m]
     """
 
@@ -41,11 +41,11 @@ class Arrangement:
 
 
 def block(cells: int, jitter: float, seed: int, dim: int = 2, layers: int = 0, centred: bool = True) -> Arrangement:
-    """Return fluid of the unit square or cube, all of it displaced, with further layers of particles around it.
+    """Return displaced fluid of the unit square or cube, with layers of particles around it.
 
-    centred : whether particles are in the middles of cells, cells^dim of them; else on the nodes, and those on the
+    centred : whether the cells^dim particles are in the middles of cells; else they are on the nodes, and those on the
         sides belong to the layers
-    The particles around it have the role SURFACE, by which no equation is made for them.
+    The particles of the layers have the role SURFACE, so that they have no equation.
     """
     line = np.arange(-layers, cells + layers + (not centred))
     index = _grid([line] * dim)
@@ -61,8 +61,8 @@ def block(cells: int, jitter: float, seed: int, dim: int = 2, layers: int = 0, c
 def tank(cells: Sequence[int], jitter: float, seed: int, lid: bool = False, spacing: float = 1.0) -> Arrangement:
     """Return an open tank of fluid, or a full closed one.
 
-    Walls lie on lattice planes, fluid one spacing inside. Without a lid the last axis ends at the free surface, which
-    lies on the lattice plane `cells[-1]` and is not displaced. The wall beside the surface has the role CONTACT.
+    Walls are on lattice planes, and fluid begins one spacing inside. Without a lid the last axis ends at the free
+    surface, on the lattice plane `cells[-1]`, which is not displaced. The wall beside it has the role CONTACT.
     """
     top = np.array(cells)
     index = _grid([np.arange(c + 1) for c in top])

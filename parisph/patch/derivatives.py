@@ -1,4 +1,4 @@
-"""Laplacians and gradients of a field on an arrangement of particles. Each rank on its own; nothing is collective."""
+"""Laplacians and gradients of a field on an arrangement of particles. Not collective."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from parisph.pressure.rows import PressureRows
 
 
 class _Nothing:
-    """In place of a divergence: none is needed here."""
+    """A divergence without effect."""
 
     name = "nothing"
 
@@ -41,7 +41,7 @@ class Discrete:
 
     @property
     def measure(self) -> Floats:
-        """(n,) [m^2], for walls [m]; 0 where there is no equation, or where it was given up."""
+        """(n,) [m^2], for walls [m]; 0 for particles without an equation, or with one that is not sound."""
         return self.rows.rows.measure[:len(self.arrangement.x)]
 
     def weighted(self, f: Floats) -> Floats:
@@ -54,19 +54,13 @@ class Discrete:
         return sums
 
     def derivative(self, f: Floats) -> Floats:
-        """Return what the rows take for the Laplacian of f (n,), for wet walls its normal derivative.
-
-        (n,), NaN where there is no equation, or where it was given up.
-        """
+        """Return the Laplacian of f (n,) by the rows, at wet walls its normal derivative: (n,), NaN if measure is 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.measure > 0.0, (f - self.weighted(f)) / -self.measure, np.nan)
 
 
 def discrete(arrangement: Arrangement, laplacian: str, wall_rows: str = "sfdi") -> Discrete:
-    """Return the rows of a Laplacian, and those of wet walls if there are any.
-
-    Raises KeyError for a word without a part.
-    """
+    """Return the rows of a Laplacian, with those of wet walls. Raises KeyError for a word without a part."""
     part, walls = LAPLACIANS[laplacian], WALL_ROWS[wall_rows]
     a, s = arrangement, arrangement.spacing
     reach = max(lengths.NEAR, part.reach, walls.reach)
@@ -78,7 +72,7 @@ def discrete(arrangement: Arrangement, laplacian: str, wall_rows: str = "sfdi") 
 
 
 def gradient(arrangement: Arrangement, f: Floats, name: str, at_surface: str = "same") -> Floats:
-    """Return the gradient of f (n,) at fluid: (n, dim), NaN at walls, and at fluid with too few neighbours.
+    """Return the gradient of f (n,) at fluid: (n, dim), NaN at walls and at fluid with too few neighbours.
 
     name : of a part in GRADIENTS; at_surface : of one in SURFACE_GRADIENTS. Raises KeyError for a word without a part.
     """

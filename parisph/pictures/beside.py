@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-MOST = 99.8    # percentile of the values of the run that the axes contain
+MOST = 99.8    # percentile of the values of the run up to which the axes reach
 
 
 def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure":
@@ -44,7 +44,7 @@ def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure"
             look = curves.marks(int(np.sum(inside)) if known > 1 else curves.MARKS)
         axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
-    bands = list({(band.start, band.end, band.low, band.high, band.when): band    # some differ by their smoothing only
+    bands = list({(band.start, band.end, band.low, band.high, band.when): band    # some differ only by their smoothing
                   for band in bands_of(probe.truth)}.values())
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
@@ -69,12 +69,12 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
     found = {time: (places, ours) for truth in reversed(truths)    # the truth itself last: its places are drawn
              for time, places, ours, _ in profiled.pairs(probe, truth, run)}
     if not found:
-        raise CaseError(f"the run has reached the time of none of the profiles of {probe.name}")
+        raise CaseError(f"the run has reached none of the profiles of {probe.name}")
     lines = [{time: (x, y) for time, x, y in read_profiles(truth)} for truth in truths]
     rows = -(-len(found) // columns)
     picture = style.new_figure(figsize=(9.0, 0.8 + 1.7 * rows), layout="constrained")
     grid = picture.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    drawn: dict[str, "Line2D"] = {}    # not every panel has every reference
+    drawn: dict[str, "Line2D"] = {}    # of all panels: one may lack a reference
     for axes, time in zip(grid.flat, sorted(found)):
         for number, (truth, line) in enumerate(zip(truths, lines)):
             if time in line:
@@ -103,7 +103,7 @@ def _legend(picture: "Figure", lines: dict[str, Any]) -> None:
 
 
 def _over_the_run(time: Floats, values: Floats, run: Floats) -> curves.Samples:
-    """Return a reference (n,); at the ends of the run if it has fewer than two samples inside, as a constant."""
+    """Return a reference (n,), with samples only at the ends of the run if fewer than two are inside it."""
     if np.count_nonzero((time >= run[0]) & (time <= run[-1])) > 1:
         return time, values
     ends = np.clip([run[0], run[-1]], time[0], time[-1])
@@ -127,7 +127,7 @@ def _mark(axes: "Axes", window: tuple[float, float] | None, bands: Sequence[Peak
 
 def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples],
            bands: Sequence[PeakBand]) -> None:
-    """Limit the axes to the references, the bands, and the run without single spikes, of which a title says so."""
+    """Limit the axes to references, bands, and the run without single spikes; a title names the greatest spike."""
     end = found[0][-1]
     parts = [values[(time >= found[0][0]) & (time <= end)] for time, values in others.values()]
     fits = [np.percentile(found[1], [100.0 - MOST, MOST]), *(part for part in parts if len(part))]

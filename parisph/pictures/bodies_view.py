@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 
 SOLID = "#d9d9d9"
 WATER = "#9ecae1"
-MOST = 200_000    # particles that a picture of a case shows; of more, squares of a grid
+MOST = 200_000    # most particles in a picture of a case; more are shown as squares of a grid
 
 
 def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0, floor: float | None = None,
                 seen: PictureFrame | None = None) -> None:
     """Draw the walls of a case at a time [s]; lengths are divided by `length` [m].
 
-    floor : lower end [m] of the ground below a bed, None for a little below the lowest wall
-    seen : None for the frame of the tank
+    floor : lower end [m] of the ground below a bed, None for slightly below the lowest wall
+    seen : frame of the picture, None for that of the tank
     """
     seen = seen or PictureFrame.of(case, TANK)
     if floor is None:
@@ -85,7 +85,7 @@ def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, l
         return view.placed(x, time) / length
 
     heights = (ends[1][0] * length, ends[1][1] * length)
-    if view.moved:    # lines end with the tank, not with the axes
+    if view.moved:    # lines end at the tank, not at the axes
         lower, upper = domain(case)
         heights = float(lower[1]), float(upper[1])
     marks.draw_still_level(axes, case, placed)
@@ -96,7 +96,7 @@ def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, l
         names = [*marks.draw_probes(axes, case, placed, heights, lines, dots), *names]
     outlines = [placed(_closed(wall, time)) for wall in standing(case)]
     if walls:
-        shown = [placed(_closed(wall, time)) for wall in given(case)]    # what fills a wedge between them has no name
+        shown = [placed(_closed(wall, time)) for wall in given(case)]    # fillings of wedges have no name
         names += [labels.Label(wall.name, _beside(x, ends)) for wall, x in zip(given(case), shown)]
     labels.add(axes, names, [*lines, *outlines], np.concatenate(dots) if dots else None)
 
@@ -121,7 +121,7 @@ def _beside(x: Floats, ends: window.Ends) -> Floats:
 def places_of_water(case: Case, area: float) -> tuple[Floats, float]:
     """Return places (n, 2) [m] in the water at the start, and their distance [m]. area : of the picture [m2]
 
-    They are the particles; of more than MOST, the squares of a grid with particles, computed part by part.
+    They are the particles, or, of more than MOST, the squares of a grid that contain particles.
     """
     slices = -(-counts(case)["all"] // MOST)
     size = case.numerics.spacing if slices == 1 else max(1.5 * case.numerics.spacing, float(np.sqrt(area / MOST)))

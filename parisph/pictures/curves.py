@@ -28,18 +28,18 @@ Samples = tuple[Floats, Floats]    # times [s] and values, (n,) each
 # Labels by the unit, for kinds of probes without a label (case.probes.Probe.quantity).
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
          "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume"}
-TALL = 4        # most panels below each other; of more there are two in a row
+TALL = 4        # most panels in one column; more have two columns
 SHORT = "short peak"    # the mark of a peak that is not resolved
-BESIDE = 4      # most lines with a legend in the axes; that of more is beside
+BESIDE = 4      # most lines of a legend in the axes; a longer one is beside them
 HIGH = 12       # lines in a column of a legend beside a panel
-MOST = 4 * HIGH    # lines of the longest legend; of more only the first and the last are named
+MOST = 4 * HIGH    # most lines of a legend; of more only the first and the last are named
 LETTER = 0.06   # [inch] width of a letter in a legend
 ROW = 4.6       # [inch] longest row of a legend in the axes
-HEADROOM = 0.16    # of the height of axes, above the curves, for such a row
-BLOWN = 1.5    # ranges of the flow before a failure, beyond which the axes are cut
+HEADROOM = 0.16    # share of the height of axes above the curves, for such a row
+BLOWN = 1.5    # largest range of the axes over that of the flow before a failure
 OWN_TIME = r"$t\sqrt{g/H}$"
-STATES = 4      # runs in the title that have not completed
-MARKS = 60      # samples of a reference, beyond which it is a line
+STATES = 4      # most incomplete runs in the title
+MARKS = 60      # samples of a reference from which on it is a line
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
                normalise: bool = False) -> "Figure":
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
-    Several runs are drawn over each other, with labels of what differs between their cases (run_labels).
+    Several runs are drawn over each other, labelled by the differences of their cases (run_labels).
 
     runs : or their folders; names : of probes, or one name; all if None
     path : file to write (.png, .pdf, ...), or None
@@ -135,7 +135,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
 def references(probe: Probe, run: Run, others: bool = True) -> dict[str, Samples]:
     """Return {name: (times (n,) [s], values (n,))} of the references of a probe. Raises CaseError for their files.
 
-    others : whether with those besides the first
+    others : whether to include those besides the first
     """
     truth = probe.truth
     if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
@@ -163,7 +163,7 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
             if not run.scene.same_force_everywhere:
                 columns = [column for column in columns if not column.startswith(probe.of_potential)]
             for column in columns:
-                # a probe of an unknown kind shares axes with others of its unit
+                # a probe of an unknown kind shares axes with those of its unit
                 kind = getattr(probe, "kind", "" if units[column] else name)
                 curve = Curve(run, label if len(runs) > 1 else "", name, column if several else "",
                               table["time"], table[column])
@@ -179,7 +179,7 @@ def show_steps(axes: "Axes", run: Run, unit: float = 1.0) -> None:
 
 
 def run_labels(runs: Sequence[Run]) -> list[str]:
-    """Return a label for each run: what differs between their cases, else or also the folder."""
+    """Return a label for each run: the difference of its case, with or as the folder if that is not unique."""
     found = differences.labels([run.case for run in runs])
     folders = folder_names([run.folder for run in runs])
     return [style.literal(text if text and found.count(text) == 1 else f"{text} ({folder})" if text else folder, 60)
@@ -216,7 +216,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     drawn: list["Line2D"] = []
     for curve, second, factor in zip(curves, times, factors):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
-        if curve.column.endswith("_dynamic"):    # it may lie on the line of the whole
+        if curve.column.endswith("_dynamic"):    # it may lie on the line of the total
             look = {**look, "linestyle": style.STYLES[3 if any(one["linestyle"] != "-" for one in looks) else 1]}
         drawn += axes.plot(curve.time / second, factor * curve.values, linewidth=1.1, label=_line_label(curve, series),
                            **look)
@@ -244,7 +244,7 @@ def _leave_out_failures(axes: "Axes", curves: Sequence[Curve], drawn: Sequence["
                         references: Sequence["Line2D"]) -> None:
     """Limit the axes to the flow before a failure: the last samples may be a hundred times as large.
 
-    drawn, references : lines of the curves and of references; marks of short peaks do not count
+    drawn, references : lines of the curves and of references, without marks of short peaks
     """
     bad = {curve.run.folder for curve in curves if states.failed(curve.run)}
     if not bad:
@@ -268,7 +268,7 @@ def _named(axes: "Axes") -> list["Line2D"]:
 
 
 def _legend_inside(axes: "Axes") -> None:
-    """Add a legend of few lines: a row above the curves, for which the axes get room, if it is not too long."""
+    """Add a legend of few lines: above the curves in one row, with room for it, unless that is too long."""
     count = len(_named(axes))
     if count == 1 or sum(LETTER * len(str(line.get_label())) + 0.5 for line in _named(axes)) > ROW:
         axes.legend(loc="best", fontsize=8, framealpha=0.8)
@@ -284,7 +284,7 @@ def _legend_columns(axes: "Axes") -> int:
 
 
 def _further_columns(axes: "Axes") -> float:
-    """Return the further width [inch] of the picture for a legend beside the axes; an inch is there already."""
+    """Return the width [inch] to be added to the picture for a legend beside the axes, which has an inch already."""
     longest = max((len(str(line.get_label())) for line in _named(axes)), default=0)
     return max(_legend_columns(axes) * (LETTER * longest + 0.7) - 1.0, 0.0)
 
@@ -293,7 +293,7 @@ def own_scales(run: Run, normalise: bool) -> style.SceneUnits:
     """Return the style.SceneUnits of a run. Raises CaseError if it has none to normalise by."""
     own = style.scene_units(run.scene)
     if normalise and own.time is None:
-        raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
+        raise CaseError(f"{run.folder}: without constant gravity there is no sqrt(H/g) to divide by")
     return own
 
 
@@ -306,7 +306,7 @@ def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
 
 
 def _line_label(curve: Curve, series: Sequence[tuple[str, str]]) -> str:
-    """Return the label of a line: its run, probe and column, each only if there are several."""
+    """Return the label of a line: run, probe and column, each only if there are several."""
     probes = {probe for probe, _ in series}
     if curve.label and len(series) == 1:
         return curve.label
@@ -334,16 +334,16 @@ def _peak_of(curve: Curve) -> str:
 def draw_short_peak(axes: "Axes", curve: Curve, colour: str, by_time: float, factor: float) -> None:
     """Mark the greatest value of a probe if it is too short to be resolved, with its mean over 5 ms as a bar.
 
-    colour : of the line; by_time, factor : what times [s] and values are multiplied by
+    colour : of the line; by_time, factor : factors of times [s] and of values
     """
     found = ((curve.run.summary or {}).get("peaks") or {}).get(_peak_of(curve)) or {}
     if not found.get("short"):
         return
     when, over = found["time"], found["mean_over"]
     there = curve.values[np.abs(curve.time - when) == np.abs(curve.time - when).min(initial=np.inf)]
-    if len(there) and there[0] < 0.0:    # the peaks of forces are by size
+    if len(there) and there[0] < 0.0:    # peaks of forces have no sign
         factor = -factor
-    known = [line for line in axes.lines if line.get_gid() == SHORT]    # one name for all
+    known = [line for line in axes.lines if line.get_gid() == SHORT]    # all have one name
     for line in known:
         line.set_label("short peaks: not resolved")
     axes.plot([by_time * when], [factor * found["value"]], linestyle="", marker="x", markersize=7, color=colour,
@@ -354,7 +354,7 @@ def draw_short_peak(axes: "Axes", curve: Curve, colour: str, by_time: float, fac
 
 
 def marks(samples: int) -> style.LineLook:
-    """Return how a reference is drawn: few samples as marks, many as a dashed line."""
+    """Return the look of a reference: few samples as marks, many as a dashed line."""
     few = {"linestyle": "", "marker": "o", "markersize": 4, "markerfacecolor": "none"}
     return few if samples < MARKS else {"linestyle": "--"}
 
@@ -366,7 +366,7 @@ def _value_label(curves: Sequence[Curve], series: Sequence[tuple[str, str]], uni
     what = UNITS.get(unit, "")
     for probe in kinds.values():
         what = (probe.family if len(kinds) > 1 else probe.quantities.get(series[0][1], probe.quantity)) or what
-    if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names the runs only
+    if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names only the runs
         what = what if series[0][0] in what else f"{series[0][0]}: {what}"
     if scaled:
         return what + {"Pa": r"$\,/\,(\rho g H)$", "m": r"$\,/\,H$", "m/s": r"$\,/\,\sqrt{gH}$"}[unit]

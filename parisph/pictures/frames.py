@@ -1,4 +1,4 @@
-"""From where a flow is seen: from its tank, in whose frame it is computed, or from the room in which the tank moves."""
+"""The frame of a picture: that of the tank, in which the flow is computed, or that of the room."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ BETWEEN = 100    # times between the first and the last picture at which the pla
 
 @dataclass(frozen=True)
 class PictureFrame:
-    """The frame of a picture, of the tank or of the room.
+    """The frame of a picture. motion : of the tank; world : whether the frame is the room
 
-    motion : of the tank; world : whether it is the room; gravity : (2,) in the room, None if not uniform
+    gravity : (2,) in the room, None if not uniform
     """
 
     motion: Motion
@@ -44,7 +44,7 @@ class PictureFrame:
         return self.motion.placed(x, time) if self.moved else np.asarray(x)
 
     def snapshot(self, snapshot: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return a snapshot with places, and velocities if there are any, in this frame."""
+        """Return a snapshot with places and velocities in this frame."""
         if not self.moved:
             return snapshot
         time = snapshot["time"]
@@ -54,7 +54,7 @@ class PictureFrame:
         return found
 
     def course(self, corners: Floats, times: Floats) -> list[Floats]:
-        """Return corners (n, 2) [m] in this frame at times (k,) [s], and at times between them."""
+        """Return corners (n, 2) [m] in this frame at times (k,) [s] and between them."""
         if not self.moved:
             return [np.asarray(corners)]
         between = np.linspace(np.min(times), np.max(times), BETWEEN) if np.ptp(times) else times[:0]

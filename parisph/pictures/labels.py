@@ -1,4 +1,4 @@
-"""Names in a picture that do not lie over each other and, if there is room, not over lines."""
+"""Names in a picture, which overlap neither each other nor, if there is room, lines."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 
-SIZE = 7.5    # [points] of the letters
-APART = 3.0    # [points] of a name from what it names
-ROWS = 4    # of names of lines below the upper end of the axes
-STEP = 3.0    # [pixels] between the points of a line that names avoid
+SIZE = 7.5    # [points] size of letters
+APART = 3.0    # [points] distance of a name from its object
+ROWS = 4    # most rows of names of lines below the upper end of the axes
+STEP = 3.0    # [pixels] distance of points on a line that names avoid
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Label:
     """A name with its possible places.
 
     places : (n, 2) in the units of the axes, the best one first; of a line, its lower and its upper end
-    line : whether it names an upright line, and stands beside its upper end
+    line : whether it names a vertical line, and is placed beside its upper end
     """
 
     text: str
@@ -33,10 +33,11 @@ class Label:
 
 
 def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dots: Floats | None = None) -> None:
-    """Write names into axes when these are drawn: only then their size is known.
+    """Write names into axes when these are drawn, and the size of names is known.
 
-    lines : (n, 2) each, dots : (n, 2), in the units of the axes, which names avoid. Names without room are left out,
-    and a text says how many.
+    Names without room are left out, and a text says how many.
+
+    lines : (n, 2) each, dots : (n, 2), in the units of the axes, which names avoid
     """
     from matplotlib.artist import Artist
 
@@ -47,7 +48,7 @@ def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dot
         text.set_in_layout(False)
 
     class Placer(Artist):
-        """Is drawn before the names, and places them."""
+        """Places the names just before they are drawn."""
 
         def draw(self, renderer: Any) -> None:
             _place(axes, labels, texts, left_out, lines, dots, renderer)
@@ -60,7 +61,7 @@ def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dot
 
 def _place(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], left_out: "Text", lines: Sequence[Floats],
            dots: Floats | None, renderer: Any) -> None:
-    """Place all names; if some have no room, once more beside a text that says how many are left out."""
+    """Place all names; if some have no room, repeat this with a text that says how many are left out."""
     pixels = renderer.points_to_pixels(1.0)
     box = axes.get_window_extent(renderer)
     inside = np.array([box.x0, box.y0, box.x1, box.y1]) + pixels * np.array([1.0, 1.0, -1.0, -1.0])
@@ -79,7 +80,7 @@ def _place(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], left_
 
 def _put(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], inside: Floats, along: Floats,
          taken: list[Floats], pixels: float, renderer: Any) -> int:
-    """Put each name at the place without overlap that crosses the fewest lines; return how many have no place."""
+    """Put each name at the place without overlap that crosses the fewest lines; return the number without a place."""
     missing = 0
     for label, text in zip(labels, texts):
         text.set(rotation=0.0, visible=True)
@@ -109,7 +110,7 @@ def _put(axes: "Axes", labels: Sequence[Label], texts: Sequence["Text"], inside:
 
 def _candidates(places: Floats, line: bool, width: float, height: float, apart: float,
                 inside: Floats) -> Iterator[tuple[tuple[float, float], bool]]:
-    """Yield (lower left corner [pixels], whether it is turned upright) of possible places of a name."""
+    """Yield (lower left corner [pixels], whether it is vertical) of possible places of a name."""
     if line:
         x, top = places[-1, 0], min(places[-1, 1], inside[3])
         rows = top - height * np.arange(1, ROWS + 1) - apart

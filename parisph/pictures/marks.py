@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOUR = "black"
-MANY = 12    # gauges of an array, beyond which it has one name, and only upper ends are drawn
-WIDE = 0.98    # of the width between the walls, from which on water is still water
+MANY = 12    # most gauges of an array with names and full lines; more have one name and short lines
+WIDE = 0.98    # least width of still water over that between the walls
 Placed = Callable[[Floats], Floats]    # from places (n, 2) [m] in the scene to those in the axes, in their unit
 
 
@@ -46,9 +46,9 @@ def draw_zones(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, f
 
 def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, float], lines: list[Floats],
                 dots: list[Floats]) -> list[labels.Label]:
-    """Draw probes at the start, gauges as upright lines, taps and points as dots; return their names.
+    """Draw probes at the start, gauges as vertical lines, taps and points as dots; return their names.
 
-    heights : of the lower and upper ends of gauges [m]; lines, dots : what is drawn, (n, 2) and (1, 2), is added
+    heights : of the lower and upper ends of gauges [m]; lines, dots : lists that get the points, (n, 2) and (1, 2)
     """
     names: list[labels.Label] = []
     for probe in case.probes:
@@ -75,10 +75,7 @@ def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, 
 
 
 def still_level(case: Case) -> float | None:
-    """Return the level y [m] of a scene that starts with still water from wall to wall, None of another.
-
-    None too where gravity does not point down.
-    """
+    """Return the level y [m] of still water from wall to wall at the start, with gravity downwards; else None."""
     gravity = uniform_field(case.gravity)
     if case.wall_bounds is None or len(case.fluids) > 1 or case.closed or gravity is None:
         return None

@@ -20,24 +20,24 @@ from parisph.pictures.view import FieldView, Look, spread
 if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
 
-RATE = 20.0             # frames a second by default
-SLOWEST, FASTEST = 1.0, 60.0   # frames a second that players show well
+RATE = 20.0             # frames per second by default
+SLOWEST, FASTEST = 1.0, 60.0   # frames per second that players show well
 MOST_RATE = 120.0       # largest --fps
 MOST_FRAMES = 20_000
-SAMPLE = 24             # snapshots from which the scale of the colours is taken
+SAMPLE = 24             # number of snapshots that give the scale of the colours
 
 
 def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float | None = None,
           slow: float | None = None, dpi: float = 100, progress: bool = False, **look: Any) -> Path:
-    """Write the snapshots of a run as an animation: .gif, or .mp4 if ffmpeg is installed; return its path.
+    """Write the snapshots of a run as an animation, a .gif, or an .mp4 with ffmpeg; return its path.
 
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
     run : or its folder; path : file to write
-    field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
-        frames, and a short impact saturates
+    field : see view.Look, also for further keywords; without `limits` the colours cover most values of all frames, and
+        a short impact may exceed them
     fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once
-    slow : how many times slower than in nature; None for the speed that shows each snapshot once
+    slow : slow-motion factor; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
 
     Raises CaseError : as plot_field, for another ending, and for fps or slow out of range
@@ -59,7 +59,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
                 axes.clear()
                 discs = view.draw(axes, run.snapshot(int(number)), limits, note=pace.note)
                 view.add_colour_bar(picture, axes, discs, some)
-                if count == 0:  # one layout for all frames, so that nothing jumps
+                if count == 0:  # one layout for all frames
                     picture.draw_without_rendering()
                     picture.set_layout_engine("none")
                 writer.grab_frame()
@@ -90,8 +90,8 @@ class Pace:
     """The speed of an animation.
 
     fps : frames per second
-    slow : how many times slower than in nature; None for a single frame
-    numbers : (frames,) int, the snapshot in each frame, which is the nearest in time
+    slow : slow-motion factor; None for a single frame
+    numbers : (frames,) int, the snapshot of each frame, the nearest in time
     """
 
     fps: float
@@ -103,26 +103,27 @@ class Pace:
            whole_hundredths: bool = False) -> "Pace":
         """Return the Pace for snapshots at `times` (n,) [s], increasing.
 
-        fps, slow : see movie; whole_hundredths : of a second, as frames of a .gif last. Raises CaseError.
+        fps, slow : see movie; whole_hundredths : whether frames last whole hundredths of a second, as in a .gif
+
+        Raises CaseError: a number out of range, or too many frames
         """
         _check_positive("--fps", fps, MOST_RATE)
         _check_positive("--slow", slow, np.inf)
         apart = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
         if fps is None:
             fps = min(1.0 / (slow * apart), FASTEST) if slow and apart else RATE
-            fps *= np.ceil(SLOWEST / fps) if fps < SLOWEST else 1.0    # each snapshot several times, all alike
+            fps *= np.ceil(SLOWEST / fps) if fps < SLOWEST else 1.0    # each snapshot is repeated equally often
         if whole_hundredths:
-            fps = 100.0 / max(round(100.0 / fps), 2)    # viewers slow shorter frames down
+            fps = 100.0 / max(round(100.0 / fps), 2)    # viewers show shorter frames too slowly
         if not apart:
             return cls(fps, None, np.arange(len(times)))
         slow = slow or 1.0 / (fps * apart)
         count = (times[-1] - times[0]) * fps * slow
         if count > MOST_FRAMES:
             raise CaseError(f"--slow {slow:g} with --fps {fps:g} makes {count:.3g} frames of "
-                            f"{times[-1] - times[0]:g} s, at most {MOST_FRAMES:,} are drawn: slow it less, "
-                            "or show fewer frames a second")
+                            f"{times[-1] - times[0]:g} s, at most {MOST_FRAMES:,} are drawn: give a smaller number")
         shown = times[0] + np.arange(round(count) + 1) / (fps * slow)
-        half_way = 0.5 * (times[1:] + times[:-1]) + 1e-6 * apart      # the earlier one, whatever the rounding
+        half_way = 0.5 * (times[1:] + times[:-1]) + 1e-6 * apart      # half way the earlier one, despite rounding
         return cls(fps, slow, np.searchsorted(half_way, shown))
 
     @property
@@ -152,7 +153,7 @@ def _check_ending(path: Path) -> None:
 def _writer(path: Path, fps: float) -> "AbstractMovieWriter":
     from matplotlib import animation
 
-    rate: Any = fps    # matplotlib declares whole numbers, and takes all
+    rate: Any = fps    # matplotlib declares int, and accepts float
     if path.suffix.lower() == ".gif":
         # the writer truncates the milliseconds of a frame: 29.999... would become 20
         return animation.PillowWriter(rate * (1.0 - 1e-9))

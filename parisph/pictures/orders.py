@@ -1,4 +1,4 @@
-"""The pictures that `parisph plot` and `parisph movie` make of runs, and their files. Needs no MPI."""
+"""The pictures of runs by `parisph plot` and `parisph movie`, and their files. Needs no MPI."""
 
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,22 +16,22 @@ from parisph.pictures import curves, movies, overview, view
 from parisph.truth.comparison import Comparison
 from parisph.truth.recorded import own_columns
 
-ROUNDED = 1e-9  # relative difference by rounding of a greatest value in a file
-LONGEST = 100   # characters of a file name that is made of names of probes
+ROUNDED = 1e-9  # largest relative rounding error of a greatest value in a file
+LONGEST = 100   # most characters of a file name made of names of probes
 
 
 def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None, probes: Sequence[str] | None = None,
          out: AnyPath | None = None, normalise: bool = False, **look: Any) -> list[Path]:
     """Write pictures of a run, or of the probes of several runs, and return their paths.
 
-    For one run without time, peak, field and probes: the whole run on one page.
+    One run without time, peak, field and probes is drawn as a whole on one page.
 
-    time : [s], the flow at the nearest snapshot, with a warning on standard error for a time outside the run; the last
+    time : [s], of the flow at the nearest snapshot, with a warning on standard error if it is outside the run; the last
         snapshot if only `field` is given
-    peak : name of a probe, in place of `time`: the flow when its first column is greatest, as the run has kept it
+    peak : name of a probe, in place of `time`: the flow at the greatest value of its first column, as kept by the run
         (Run.peak), else at the nearest snapshot, with a note on standard error
-    probes : names of those whose series are drawn in one picture
-    out : file to write; None: files in the folder of the (first) run, named after what they show
+    probes : names of probes whose series are drawn in one picture
+    out : file to write; None for files in the folder of the (first) run, named after their content
     normalise, look : see view.Look; None for a default
 
     Raises CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
@@ -66,7 +66,7 @@ def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow
             progress: bool = False, **look: Any) -> Path:
     """Write an animation of all snapshots (movies.movie) and return its path.
 
-    Without `out` it is an .mp4; without ffmpeg it is a .gif, with a note on standard error.
+    Without `out` it is an .mp4, or without ffmpeg a .gif, with a note on standard error.
     """
     look = {name: value for name, value in look.items() if value is not None}
     if out is None:
@@ -92,10 +92,7 @@ def compare(run: Run, comparison: Comparison, reference: AnyPath, path: AnyPath)
 
 
 def peak_of(run: Run, probe: str) -> tuple[float, float]:
-    """Return the time [s] at which the first column of a probe is greatest, and its value.
-
-    Raises CaseError, StoreError.
-    """
+    """Return time [s] and value of the maximum of the first column of a probe. Raises CaseError, StoreError."""
     series = run.probe(probe)
     column = own_columns(series)[0]
     if not np.any(np.isfinite(series[column])):
@@ -132,18 +129,18 @@ def _plot_flow(run: Run, time: float | None, peak: str | None, out: AnyPath | No
 
 
 def _at_peak(run: Run, probe: str) -> float | Mapping[str, Any]:
-    """Return the flow that the run has kept at a peak (dict); else the time [s] of the peak, with a note."""
+    """Return the flow at a peak (dict) if the run has kept it, else the time [s] of the peak, with a note."""
     time, value = peak_of(run, probe)
     kept = run.peak(probe)
     if kept is not None and kept["peak"] >= value - ROUNDED * abs(value):
         return kept
-    if time > 0.0:    # a pressure is that of the middle of the step, and the flow that of its end
+    if time > 0.0:    # a pressure belongs to the middle of the step, and the flow to its end
         ends = run.steps["time"]
         time = float(ends[min(np.searchsorted(ends, time * (1.0 - 1e-12)), len(ends) - 1)])
     late = run.times[run.number(time)] - time
     if late:
         print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: "
-              f"the nearest one is drawn, which is {abs(late):.3g} s {'later' if late > 0.0 else 'earlier'}; "
+              f"the nearest one is drawn, {abs(late):.3g} s {'later' if late > 0.0 else 'earlier'}; "
               f"{_why_not_kept(run, probe, kept)}", file=sys.stderr)
     return time
 
@@ -153,24 +150,24 @@ def _why_not_kept(run: Run, probe: str, kept: Mapping[str, Any] | None) -> str:
     if kept is not None and about and about.truth:
         return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time of its truth"
     if kept is not None:
-        return f"the flow that the run keeps is at t = {kept['time']:.6g} s, of {kept['peak']:.6g}"
+        return f"the run keeps the flow at t = {kept['time']:.6g} s, with a value of {kept['peak']:.6g}"
     if about and about.peak:
-        return f"the flow that the run has kept is not in {run.folder / PEAKS}"
+        return f"the flow at the peak is missing in {run.folder / PEAKS}"
     return "a probe with peak=True keeps the flow at its peak"
 
 
 def _warn_of_other_time(run: Run, time: float) -> None:
-    """Warn on standard error of a time [s] outside the run, and name that of the picture."""
+    """Warn on standard error if a time [s] is outside the run, with the time of the picture."""
     if len(run) == 0:
         return
     slack = 0.5 * np.diff(run.times).max(initial=0.0)
     if not run.times[0] - slack <= time <= run.times[-1] + slack:
-        print(f"parisph: warning: --time {time:g} s is outside the run, whose snapshots are of {run.times[0]:g} to "
+        print(f"parisph: warning: --time {time:g} s is outside the run, which has snapshots from {run.times[0]:g} to "
               f"{run.times[-1]:g} s: the picture is of {run.times[run.number(float(time))]:g} s", file=sys.stderr)
 
 
 def _truths(run: Run) -> dict[str, curves.Samples]:
-    """Return the references of the probes; none, with a note, if their files are not on this machine."""
+    """Return the references of the probes; none, with a note, if a file is missing."""
     try:
         return curves.truths(run)
     except ParisphError as error:

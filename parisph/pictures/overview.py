@@ -76,7 +76,7 @@ def _height(view: FieldView, width: float) -> float:
 
 def _draw_moments(flow: "FigureBase", view: FieldView, moments: Sequence[Mapping[str, Any]], columns: int,
                   marked: bool = False) -> None:
-    """Draw moments. marked : whether with zones and the still level, and with probes in the first one"""
+    """Draw moments. marked : whether to draw zones and the still level, and probes in the first one"""
     limits = view.limits(moments)
     grid = flow.subplots(-(-len(moments) // columns), columns, squeeze=False, sharex=True, sharey=True)
     discs = [view.draw(axes, moment, limits, label=False) for axes, moment in zip(grid.flat, moments)]
@@ -91,7 +91,7 @@ def _draw_moments(flow: "FigureBase", view: FieldView, moments: Sequence[Mapping
 
 
 def _draw_series(series: "SubFigure", run: Run, panels: Sequence[tuple[str, list[curves.Curve]]]) -> None:
-    """Draw the probes, two per row, and the solver's record in the rest of the last row."""
+    """Draw the probes, two per row, and the record of the solver in the rest of the last row."""
     grid = series.add_gridspec(len(panels) // 2 + 1, 2)
     for number, (unit, lines) in enumerate(panels):
         axes = series.add_subplot(grid[number // 2, number % 2])
@@ -108,7 +108,7 @@ def _draw_steps(axes: "Axes", steps: Array) -> None:
     """Draw the time step and the iterations of the pressure solve; without a solve the compression."""
     solved = "iterations" in (steps.dtype.names or ())
     axes.plot(steps["time"], steps["iterations" if solved else "compression"], ".", color=style.LINES[0], markersize=2)
-    axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
+    axes.set_ylabel("iterations per solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
                     color=style.LINES[0])
     axes.set_ylim(bottom=0)
     if solved:

@@ -1,4 +1,4 @@
-"""The state of a run in the titles of pictures: how it has ended, or that it has not."""
+"""The state of a run in the titles of pictures: how it has ended, or that it goes on."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from parisph.base.errors import StoreError
 from parisph.io.reader import Run
 
 LONGEST = 140   # characters of a state
-LAST = 0.03    # of the samples of a run that has failed, at its end, which may be those of the failure
+LAST = 0.03    # share of the samples at the end of a failed run that may show the failure
 
 
 def state(run: Run) -> str:
@@ -43,12 +43,12 @@ def span(run: Run) -> tuple[float, float] | None:
 
 
 def before_failure(samples: int) -> int:
-    """Return how many samples of a run that has failed are those of its flow."""
+    """Return the number of samples of a failed run without those that may show the failure."""
     return samples - min(max(int(np.ceil(LAST * samples)), 3), samples // 2)
 
 
 def _summary(run: Run) -> dict[str, Any] | None:
     try:
         return run.summary
-    except StoreError:    # parisph info says what is wrong with it
+    except StoreError:    # parisph info reports the fault
         return {"status": "completed"}

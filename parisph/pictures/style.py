@@ -66,19 +66,19 @@ ROLES = {
     WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
 }
 WALL_COLOUR = "#333333"
-# Colours of lines: those of Okabe & Ito without black and yellow, and three dark ones, for colour blindness too.
+# Colours of lines, also for colour blindness: those of Okabe & Ito without black and yellow, and three dark ones.
 LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255", "#5b3a00")
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
 LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
 
 SCREEN = 90   # dots per inch of a picture in a notebook
-FEW = 6     # most lines that differ in colour only
+FEW = 6     # most lines that differ only in colour
 
 
 def line_looks(groups: int, members: int = 1) -> list[LineLook]:
     """Return a list of {"color", "linestyle"} for groups x members lines, member after member in each group.
 
-    Up to FEW lines differ in colour only. More lines differ in line style too: groups in colour and members in style if
+    Up to FEW lines differ only in colour. More lines also differ in style: groups in colour and members in style if
     there are enough styles, else each line in both.
     """
     count = groups * members
@@ -86,7 +86,7 @@ def line_looks(groups: int, members: int = 1) -> list[LineLook]:
         pairs = [(group, member) for group in range(groups) for member in range(members)]
     elif count <= FEW:
         pairs = [(number, 0) for number in range(count)]
-    else:   # 9 colours and 4 kinds have no common factor: 36 lines are all different
+    else:   # 9 colours and 4 styles have no common factor: 36 lines are all different
         pairs = [(number, number) for number in range(count)]
     return [{"color": LINES[colour % len(LINES)], "linestyle": STYLES[kind % len(STYLES)]} for colour, kind in pairs]
 
@@ -136,7 +136,7 @@ def scene_units(case: Case) -> SceneUnits:
 
 
 def literal(text: str, limit: int = 100) -> str:
-    """Return a title or name for matplotlib, in which a dollar sign begins no formula."""
+    """Return a title or name for matplotlib, with escaped dollar signs."""
     return clipped(plain(text), limit).replace("$", r"\$")
 
 
@@ -199,7 +199,7 @@ def _shown_in_notebooks() -> type["Figure"]:
 
 
 def written(unit: str) -> str:
-    """Return a unit as pictures write it: m^2/s as m²/s."""
+    """Return a unit for pictures: m²/s for m^2/s."""
     return unit.replace("^2", "²").replace("^3", "³")
 
 
@@ -216,7 +216,7 @@ def discs(axes: "Axes", x: Floats, diameter: float, **how: Any) -> "EllipseColle
 
 
 def save_small(picture: "Figure", path: AnyPath) -> None:
-    """Write a figure as a PNG of few colours, which is a third of the size. Raises StoreError."""
+    """Write a figure as a PNG with 64 colours, a third of the size. Raises StoreError."""
     from PIL import Image  # matplotlib needs it
 
     drawn = io.BytesIO()
@@ -227,7 +227,7 @@ def save_small(picture: "Figure", path: AnyPath) -> None:
 
 
 def save(picture: "Figure", path: AnyPath | None, dpi: float = 150) -> None:
-    """Write a figure to `path`, whose ending is the format; nothing for None. Raises CaseError, StoreError."""
+    """Write a figure to `path` (unless None), in the format of its ending. Raises CaseError, StoreError."""
     if path is None:
         return
     if not Path(path).suffix[1:]:    # matplotlib would add one

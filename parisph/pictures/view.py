@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Diameters in spacings: of a particle, and of the ground below particles inside, which fills the gaps between discs.
 DISC, GROUND = 1.05, 1.8
-ABOVE = 1.5    # order of particles: above solids, so that a particle in a wall is seen
+ABOVE = 1.5    # drawing order of particles: above solids, so that a particle in a wall is visible
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Look:
     field : "pressure", "speed", "velocity_x", "velocity_y", "vorticity", "density_ratio" or "role"
     surface : whether particles on the free surface, and ballistic ones, are marked with rings
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
-    limits : (lowest, highest) of the colours, in the picture's unit; None to fit the values
+    limits : (lowest, highest) of the colours, in the unit of the picture; None to fit the values
     colours : name of a matplotlib colour map, None for that of the quantity
     zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
     frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
@@ -61,8 +61,7 @@ class Look:
         if self.field == "role":
             for name, value in (("limits", self.limits), ("cmap", self.colours)):
                 if value is not None:
-                    raise CaseError(f"--{name} does not apply to the field role, "
-                                    "whose colours stand for names: leave it out")
+                    raise CaseError(f"--{name} does not apply to the field role, whose colours are fixed: leave it out")
         if self.limits is not None:
             _check_order("--limits", *self.limits)
         if self.zoom is not None:
@@ -80,14 +79,14 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
                path: AnyPath | None = None, **look: Any) -> "Figure":
     """Draw the particles at one time, coloured by a quantity; return the matplotlib Figure.
 
-    The colours end at the greatest value in the picture, of the fluid or of a wet wall.
+    The colours end at the greatest value in the picture, of fluid or wet walls.
 
     run : or its folder
     which : number of the snapshot (int, negative from the end), time [s] of the nearest one (float), or a snapshot
         (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords; path : file to write (.png, .pdf, ...), or None
 
-    Raises CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
+    Raises CaseError : as Look, nothing to normalise by, or a zoom outside the scene
     StoreError : no such snapshot, or the quantity was not written
     """
     run = run if isinstance(run, Run) else open_run(run)
@@ -101,7 +100,7 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
 
 def spread(run: Run, count: int) -> list[Snapshot]:
-    """Return at most `count` snapshots, evenly spread over a run. Raises StoreError for one without any."""
+    """Return at most `count` snapshots, evenly spread over a run. Raises StoreError for a run without snapshots."""
     if len(run) == 0:
         raise StoreError(f"{run.folder} has no snapshots")
     return [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
@@ -116,12 +115,12 @@ class FieldView:
         self.scene, self.look = scene, look
         self.quantity, self.own = style.quantity(look.field), style.scene_units(scene)
         if look.normalise and self.own.time is None:
-            raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
+            raise CaseError("without constant gravity there is no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = scene.numerics.spacing / self.length
         self.seen = PictureFrame.of(scene, look.frame)
         self.window = self._window(snapshots)
-        self.stretch = window.stretch(self.window)    # times that heights are drawn
+        self.stretch = window.stretch(self.window)    # vertical scale over the horizontal one
 
     def size(self, width: float = 8.0) -> tuple[float, float]:
         """Return the figure size [inch] for the window, with room for labels and colour bar."""
@@ -141,7 +140,7 @@ class FieldView:
         ground = (fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)
         layers = [(style.discs(axes, x[rows], size * self.spacing), values[rows])
                   for rows, size in ((ground, GROUND), (fluid, DISC))]
-        # The ground is cut at the walls. Particles are not: one that crosses a wall is seen.
+        # The ground is cut at the walls, but not particles: one that crosses a wall is visible.
         self._draw_walls(axes, layers[0][0], snapshot["time"])
         layers[1][0].set_zorder(ABOVE)
         roles = self.quantity.needs == "role"
@@ -164,7 +163,7 @@ class FieldView:
         draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
     def values(self, snapshot: Mapping[str, Any]) -> Floats:
-        """The quantity in the picture's unit, (n,)."""
+        """Return the quantity in the unit of the picture, (n,). Raises StoreError if it was not written."""
         needed = self.quantity.needs
         if needed not in snapshot:
             raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
@@ -173,10 +172,11 @@ class FieldView:
         return values * self._scale[0]
 
     def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
-        """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
+        """Return the (lowest, highest) of the colours for all snapshots, None for roles.
 
-        They are the user's, else those of most values, without a short impact or single spikes. whole : up to the
-        greatest value
+        They are the user's, else those of most values, without a short impact or single spikes.
+
+        whole : whether they reach the greatest value
         """
         if self.quantity.needs == "role":
             return None
@@ -192,13 +192,13 @@ class FieldView:
         if centre is not None:
             reach = max(abs((values[0] if whole else low) - centre), abs(high - centre)) or 1.0
             return centre - reach, centre + reach
-        if low > -0.05 * high:  # positive but for noise: start at zero, where the colours mean something
+        if low > -0.05 * high:  # positive except for noise: start at zero
             low = 0.0
         return (low, high) if high > low else (low, low + 1.0)
 
     def add_colour_bar(self, picture: "FigureBase", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
                        snapshots: Sequence[Mapping[str, Any]]) -> None:
-        """Add the colour bar of `discs`, pointed if values of the snapshots lie beyond it; nothing for roles.
+        """Add the colour bar of `discs`, with pointed ends if values exceed it; nothing for roles.
 
         axes : one, whose height the bar has, or a list
         """
@@ -227,7 +227,7 @@ class FieldView:
 
     @cached_property
     def _scale(self) -> tuple[float, str]:
-        """The factor of values in the picture's unit, and the label of the colour bar."""
+        """Factor of values in the unit of the picture, and label of the colour bar."""
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
         if self.look.normalise and scale:
             by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
@@ -236,7 +236,7 @@ class FieldView:
         return factor, f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
-        """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
+        """Return ((left, right), (low, high)) of the axes: the zoom, else those of walls and fluid."""
         box, spacing = domain(self.scene) if self.scene.wall_bounds is not None else None, self.scene.numerics.spacing
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
@@ -261,7 +261,7 @@ class FieldView:
         return np.array([(left, low), (right, low), (right, top), (left, top)])
 
     def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
-        """Return the wet wall particles, which have a pressure and fill the gap to the wall of s/2."""
+        """Return the wet wall particles, (n,) bool, which have a pressure and fill the gap of s/2 to the wall."""
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
@@ -273,16 +273,16 @@ class FieldView:
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
     def _draw_walls(self, axes: "Axes", cut: "EllipseCollection", time: float) -> None:
-        """Draw the walls as they are at a time [s]; cut the discs `cut` to what is inside a tank or above a bed."""
+        """Draw the walls at a time [s]; clip the discs `cut` to the inside of a tank or the space above a bed."""
         from matplotlib.patches import Polygon
 
         (left, right), (low, high) = self.window
         far = (right - left + high - low) * self.length
-        floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
+        floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes for any place of the tank
         draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
         around = [_room(wall, time, far) for wall in standing(self.scene)
                   if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
-        if len(around) == 1:    # other walls are filled, and hide what is in them
+        if len(around) == 1:    # other walls are filled, and hide the discs inside
             cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
     def _ring(self, axes: "Axes", x: Floats, snapshot: Mapping[str, Any]) -> None:

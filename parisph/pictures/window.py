@@ -6,16 +6,16 @@ import numpy as np
 
 from parisph.base.arrays import Flags, Floats
 
-FLAT = 5.5    # largest width over height of a picture: flatter windows are stretched upwards
-SLENDER = 3.0    # largest height over width of a window: narrower ones get room on both sides
+FLAT = 5.5    # largest width over height of a picture; flatter windows are stretched vertically
+SLENDER = 3.0    # largest height over width of a window; narrower ones get room on both sides
 FEW = 0.01    # largest share of the particles that is spray
-GAP, SHARE = 4.0, 0.1    # spacings, and share of the extent of the fluid, of a gap before spray
+GAP, SHARE = 4.0, 0.1    # least gap before spray, in spacings and as a share of the extent of the fluid
 Box = tuple[Floats, Floats]    # lower and upper corner (2,)
 Ends = tuple[tuple[float, float], tuple[float, float]]    # (left, right), (low, high)
 
 
 def bulk(x: Floats, spacing: float) -> Box:
-    """Return the box around the fluid without its spray: a few particles beyond a wide gap.
+    """Return the box around the fluid without its spray, which is a few particles beyond a wide gap.
 
     x : (n, 2) [m] of fluid particles, n > 0; spacing [m]
     """
@@ -33,7 +33,7 @@ def bulk(x: Floats, spacing: float) -> Box:
 
 
 def shown(x: Floats, spacing: float, walls: Box | None) -> Flags:
-    """Return which fluid particles a picture shows, (n,) bool: those in the bulk of the fluid or within the walls."""
+    """Return whether fluid particles are shown, (n,) bool: those in the bulk of the fluid or within the walls."""
     finite: Flags = np.isfinite(x).all(axis=1)
     if not finite.any():
         return finite
@@ -62,7 +62,7 @@ def outside(x: Floats, window: Ends) -> int:
 
 
 def stretch(window: Ends) -> int:
-    """Return the vertical scale over the horizontal one, so that a flat scene is not a thin line."""
+    """Return the vertical scale over the horizontal one, more than 1 for a flat scene."""
     (left, right), (low, high) = window
     return max(1, round((right - left) / (high - low) / FLAT)) if high > low else 1
 

@@ -11,14 +11,14 @@ from parisph.report.entries import Cell, CellTable, entry, number
 
 SUMMARY, CASE = "summary.json", "case.json"
 ALIGNMENT = (
-    "No series is shifted: the time of the run is that of the reference (shift = 0). The last two columns say, only "
-    "for information, which shift of the run's time would make the error least (sought among 5 % of the compared "
-    "time, either way), and this error."
+    "No series is shifted: the time of the run is that of the reference (shift = 0). The last two columns are for "
+    "information only: the shift of the run's time with the least error (sought within 5 % of the compared time, "
+    "either way), and this error."
 )
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "least of others", "best shift [s]", "error if so shifted")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
-AT_END = 0.999    # of the range of shifts, beyond which the error may go on to fall
+AT_END = 0.999    # share of the range of shifts, beyond which the error may decrease further
 Probes = Sequence[Probe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
@@ -29,8 +29,8 @@ def cost(summary: Content) -> CellTable:
     rows = [("CPU time", number(summary, SUMMARY, ["cpu_seconds"], ".4g", "s")),
             ("wall time", number(summary, SUMMARY, ["wall_seconds"], ".4g", "s")),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
-            ("iterations a solve, median", number(summary, SUMMARY, ["iterations", "median"])),
-            ("iterations a solve, most", number(summary, SUMMARY, ["iterations", "max"])),
+            ("iterations per solve, median", number(summary, SUMMARY, ["iterations", "median"])),
+            ("iterations per solve, most", number(summary, SUMMARY, ["iterations", "max"])),
             ("peak memory of the first rank", number(summary, SUMMARY, ["peak_memory_mb", 0], ".0f", "MB"))]
     phases = summary.get("cpu_phases") or {}
     longest = sorted(phases, key=lambda name: -float(phases[name]))[:4]
@@ -39,7 +39,7 @@ def cost(summary: Content) -> CellTable:
 
 
 def errors(probes: Probes, case: Content, summary: Content) -> CellTable:
-    """Return the errors of the probes that have a truth, a line for each of their references."""
+    """Return the errors of the probes with a truth, a line for each reference."""
     return CellTable(ERROR_HEAD, tuple(row for k, probe in enumerate(probes)
                                    for row in _of_probe(k, probe, case, summary)))
 
@@ -80,7 +80,7 @@ def name_of(truth: AnyTruth) -> str:
 
 
 def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
-    """Return the least error of others that the case states for a truth, whose place is given."""
+    """Return the least error of others that the case states for a truth at a place in case.json."""
     levels = truth.published if isinstance(truth, (Truth, Profiles)) else {}
     if not levels:
         return Cell("-")

@@ -16,14 +16,14 @@ from parisph.io.files import failing_as, rewrite
 class Between:
     """The place between a line `start` and a line `end` of a UTF-8 text file, checked before any work.
 
-    path : pathlib.Path of the file itself, where `file` is a link to it
+    path : pathlib.Path of the file, without links
     """
 
     def __init__(self, file: AnyPath, start: str, end: str, what: str) -> None:
-        """file : as the user names it; what : name of the new lines, for messages
+        """file : as named by the user; what : name of the new lines, for messages
 
-        Raises StoreError if the file is not regular, or cannot be read or written; CaseError if it is not UTF-8, or has
-        not one line `start` with one line `end` below it.
+        Raises StoreError if the file is not regular, not UTF-8, or cannot be read or written; CaseError unless it has
+        one line `start` with one line `end` below it.
         """
         self._file, self._marks, self._what = file, (start, end), what
         self.path = Path(os.path.realpath(checked(file, "FILE")))
@@ -32,7 +32,7 @@ class Between:
             raise StoreError(f"cannot write {named(file)}: permission denied for it or for its folder")
 
     def put(self, lines: Sequence[str]) -> None:
-        """Replace the lines between the marks in the file as it is now. Raises as __init__, without a change.
+        """Replace the lines between the marks. Raises as __init__, and then changes nothing.
 
         lines : each may contain line breaks
         """
@@ -42,7 +42,7 @@ class Between:
             rewrite(self.path, text)
 
     def _found(self) -> tuple[str, str, str]:
-        """Return (text before the place, line break, text behind the place)."""
+        """Return (text before the place, line break, text after the place)."""
         try:
             text = read_exactly(self.path)
         except OSError as error:

@@ -26,7 +26,7 @@ Place = list[Any]
 
 
 def conditions(case: Content, summary: Content) -> CellTable:
-    """Return the scene, its resolution, its duration, and the method."""
+    """Return scene, resolution, duration and method."""
     origin = [("scene of", number(case, CASE, ["source"]))] if case.get("source") else []
     jitter = [("jitter of the particles at the start", number(case, CASE, ["numerics", "jitter"], ".3g", "spacings")),
               ("seed of the jitter", number(case, CASE, ["numerics", "seed"], "d"))]
@@ -106,7 +106,7 @@ def _scene(case: Content) -> Rows:
 
 
 def _placed(case: Content, field: str) -> Iterator[tuple[Any, Place]]:
-    """Yield each body of a case, of which there may be none, one, or several in a list, with its place in case.json."""
+    """Yield each body of a field of a case (none, one or a list) with its place in case.json."""
     found = case.get(field)
     if isinstance(found, list):
         yield from ((item, [field, k]) for k, item in enumerate(found[:LIMITED]))
@@ -123,7 +123,7 @@ def _lengths(case: Content, place: Place, name: str, told: dict[str, str]) -> Ro
 
 
 def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
-    """Yield the kind and the numbers of a wave or a motion (dict); nothing for none."""
+    """Yield kind and numbers of a wave or a motion (dict); nothing without one."""
     if not isinstance(what, dict) or what.get("kind", "at_rest") == "at_rest":
         return
     yield name, number(case, CASE, [*place, "kind"])
@@ -140,7 +140,7 @@ def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
 
 
 def _length(wave: dict[str, Any]) -> float | None:
-    """Return the length [m] of a wave (dict) with a period, at the peak if it is irregular; None of others."""
+    """Return the length [m] of a wave (dict) with a period, at the peak if it is irregular; None for others."""
     if not {"period", "depth", "height"} <= wave.keys():
         return None
     try:

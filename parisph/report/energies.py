@@ -12,14 +12,14 @@ VOLUME = (
     "extremes may differ a little."
 )
 WHOLE = (
-    "The energy drift is relative to the whole energy, whose potential part is counted from the lowest corner of the "
-    "tank. Where waves are low, nearly all of it is that of still water."
+    "The energy drift is relative to the whole energy, with potential energy above the lowest corner of the tank. For "
+    "low waves, nearly all of it is that of still water."
 )
 MOVING = (
-    "The energy in motion is the kinetic energy plus the potential energy above that of the fluid at rest: the energy "
-    "of the waves and of the flow. If it is a small part of the whole energy, it is a small difference of large "
-    "numbers: a change of volume, or a start that is not a lattice, changes it more than the flow does. In 2D, if the "
-    "water fills the width of a tank without other walls, it is computed from the elevation of the surface."
+    "The energy in motion is that of waves and flow: the kinetic energy plus the potential energy above that of the "
+    "fluid at rest. If it is a small part of the whole energy, it is a small difference of large numbers: a change of "
+    "volume, or a start that is not a lattice, changes it more than the flow does. In 2D, if the water fills the width "
+    "of a tank without other walls, it is computed from the elevation of the surface."
 )
 KINETIC = "No potential energy is computed for this body force: the energy is the kinetic energy alone."
 
@@ -50,7 +50,7 @@ def motion(summary: Content) -> CellTable:
 
 
 def lost(summary: Content) -> list[str]:
-    """Return a sentence on the water that has left over the rim of an open tank, if any has."""
+    """Return a sentence on water that has left over the rim of an open tank, [] without any."""
     left = summary.get("left") or {}
     count, volume = left.get("particles"), left.get("volume")
     if not count:

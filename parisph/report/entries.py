@@ -1,4 +1,4 @@
-"""Tables of a report, whose cells know the entry of the file that they show."""
+"""Tables of a report, whose cells name the entry of the file that they show."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ def entry(content: Mapping[str, Any], path: Sequence[str | int]) -> Any:
 def number(content: Mapping[str, Any], file: str, path: Sequence[str | int], form: str = ".4g", unit: str = "") -> Cell:
     """Return the Cell of an entry of a JSON file; "-" if it is missing or None.
 
-    path : names and indices; form : as of format(); unit : written behind it
+    path : names and indices; form : as of format(); unit : written after the number
     """
     value = entry(content, path)
     if value is None:

@@ -11,33 +11,32 @@ from parisph.report.entries import Cell, CellTable, number
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
              "band from", "to", "level at rest", "beyond the band by", "others have it at [s]", "truth")
 PEAKS = (
-    "The distance from a band is relative to its nearer end. Both count from the level at rest. If that is 0, heights "
-    "above the bed include the depth of still water. A row without a greatest value has an interval that ends after "
-    "the run."
+    "The distance from a band is relative to its nearer end, which counts from the level at rest. If that is 0, "
+    "heights above the bed include the depth of still water. Without a greatest value, the interval ends after the run."
 )
 PASSED = (
-    "The first time at which a probe reaches the value given in the case, by lines between samples. A splash counts."
+    "The first time at which a probe reaches the value in the case, interpolated between samples. A splash counts."
 )
 ARRIVAL_HEAD = ("probe", "passes", "at")
 IMPACT_HEAD = ("probe", "greatest value", "at [s]", "lasts [s]", "mean over 5 ms", "greatest that lasts", "at [s]",
                "mean over 5 ms")
 IMPACTS = (
-    "Greatest pressures [Pa] and forces [N/m, by size], and how long they are above half of their rise. A peak of one "
-    "or two values, as when a cavity without air collapses, is marked: it depends on the time step and on chance. The "
-    "next one that lasts longer is beside it."
+    "Greatest pressures [Pa] and forces [N/m, by size], and the time that they are above half of their rise. A peak of "
+    "one or two values, as when a cavity without air collapses, is marked: it depends on the time step and on chance. "
+    "The next one that lasts longer is beside it."
 )
 PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m²]")
 LINES = (
     "Volumes of water that have passed lines, per metre of width, positive from left to right as seen from the start "
-    "of a line to its end. An event ends when no water passes for the `pause` of its probe."
+    "of a line towards its end. An event ends when no water passes for the `pause` of its probe."
 )
 WAVES_HEAD = ("waves", "gauges", "from [s]", "to [s]", "depth [m]", "incident height [m]", "reflected height [m]",
         "reflection coefficient", "residual")
 BANDS_HEAD = ("frequency [Hz]", "incident [m²/Hz]", "reflected [m²/Hz]", "reflection coefficient")
 WAVES = (
     "By least squares from the elevations at the gauges: Goda and Suzuki (two), Mansard and Funke (three). Heights of "
-    "irregular waves are significant ones, of frequencies from half that of the peak to twice that. The residual is "
-    "the part of the amplitudes that two waves do not explain. Other gauges or times: parisph reflection."
+    "irregular waves are significant heights, of half to twice the frequency of the peak. The residual is the part of "
+    "the amplitudes that two waves do not explain. For other gauges or times, use parisph reflection."
 )
 
 
@@ -55,7 +54,7 @@ def peaks(probes: Probes, summary: Content) -> CellTable:
 
 
 def _remarks(summary: Content, path: Sequence[str | int]) -> dict[str, str]:
-    """Return {column: remark behind its number} of a peak."""
+    """Return {column: remark after its number} of a peak."""
     mean = number(summary, SUMMARY, [*path, "mean"]).text
     said = {"short": ("found", f"(short: not resolved; {mean} over 5 ms)"),
             "last": ("time", "(last sample: the value may still rise)")}
@@ -72,7 +71,7 @@ def arrivals(case: Content, summary: Content) -> CellTable:
 
 
 def impacts(summary: Content) -> CellTable:
-    """Return the greatest pressures and forces; beside those too short to be resolved, the next ones."""
+    """Return the greatest pressures and forces, with the next ones beside those too short to be resolved."""
     rows = []
     for name, found in (summary.get("peaks") or {}).items():
         path = ["peaks", name]
@@ -84,7 +83,7 @@ def impacts(summary: Content) -> CellTable:
 
 
 def passed(summary: Content) -> CellTable:
-    """Return the volumes that have passed the lines of probes: all together, and in each event."""
+    """Return the volumes that have passed the lines of probes, in total and in each event."""
     rows: list[tuple[Cell, ...]] = []
     for name, found in (summary.get("passed") or {}).items():
         path = ["passed", name]
@@ -104,7 +103,7 @@ def _levels(case: Content) -> Iterator[tuple[str, str, list[Any]]]:
 
 
 def reflection(summary: Content) -> Iterator[tuple[CellTable, str]]:
-    """Yield tables with the words below them; none for a run without a `reflection`."""
+    """Yield tables with the text below them; none for a run without a `reflection`."""
     found = summary.get("reflection")
     if not found:
         return

@@ -25,7 +25,7 @@ HEAD = ("probe", "truth", "error, greatest value or time", "least error of other
 
 
 def found(folders: Sequence[AnyPath]) -> list[Path]:
-    """Return the given folders of runs, and those inside given folders. Raises StoreError if one has none."""
+    """Return the folders that hold a run, and the runs inside the others. Raises StoreError for one without runs."""
     runs: list[Path] = []
     for folder in map(Path, folders):
         inside = [folder] if (folder / "case.json").exists() else [
@@ -119,7 +119,7 @@ def _facts(about: Subject) -> CellTable:
 
 
 def _table(about: Subject) -> CellTable:
-    """Return the truths of a run, a line for each: errors, greatest values beside those of others, arrivals."""
+    """Return errors, greatest values beside those of others, and arrivals of a run, a line for each."""
     judged: dict[str, list[tuple[Cell, ...]]] = {}
     for row in account.errors(about.probes, about.case, about.summary).rows:
         judged.setdefault(row[0].text, []).append(row)
@@ -127,7 +127,7 @@ def _table(about: Subject) -> CellTable:
              _joined("; ".join(f"{row[1].text}: {row[2].text}" for row in others) or "-", *(row[2] for row in others)))
             for first, *others in judged.values()]
     for row in events.peaks(about.probes, about.summary).rows:
-        if row[4].text == "-":    # the run ends before
+        if row[4].text == "-":    # the run ends before the interval
             continue
         smoothed = "" if row[3].text == "-" else f", smoothed over {row[3].text} s"
         rows.append((Cell(row[0].text + smoothed), _joined(_reported(row), *row[6:9], row[10]),
@@ -156,7 +156,7 @@ def _beyond(cell: Cell) -> str:
 
 
 def _joined(text: str, *cells: Cell) -> Cell:
-    """Return a Cell of a text made of other cells, with their sources."""
+    """Return a Cell with a text and the sources of other cells."""
     return Cell(text, ", ".join(cell.source for cell in cells if cell.source))
 
 

@@ -20,13 +20,12 @@ from parisph.pictures import beside, curves, overview, view
 from parisph.report import account, conditions, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
-LAST = 0.005    # of an interval, at its end, in which a greatest value may go on to rise
+LAST = 0.005    # share of an interval at its end, in which a greatest value may still rise
 
 
 @dataclass(frozen=True)
 class Subject:
-    """The run of a report. case, summary : as in case.json and summary.json, which may be missing; probes : of the case
-    """
+    """The run of a report. case, summary : as of case.json and summary.json ({} if missing); probes : of the case"""
 
     run: Run
     title: str
@@ -42,7 +41,7 @@ def subject(folder: AnyPath) -> Subject:
         inner = [item.parent.name for item in sorted(path.glob("*/case.json"))] if path.is_dir() else []
         hint = (f"it holds runs ({clipped(', '.join(map(named, inner)), 80)}): give one of them, or all with --all"
                 if inner else "give the folder that `parisph run` has printed at its end")
-        raise StoreError(f"{named(folder)} is not the folder of a run, as it has no case.json; {hint}")
+        raise StoreError(f"{named(folder)} is not the folder of a run: it has no case.json; {hint}")
     run = open_run(path)
     return Subject(run, clipped(plain(run.scene.title), 200), run.case, run.scene.probes, run.summary or {})
 
@@ -70,7 +69,7 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
 
 def _run(about: Subject) -> list[str]:
     parts = [markup.paragraph(f"Run in {named(about.run.folder.resolve().name)}. Every number of the tables is an "
-                              "entry of summary.json or case.json of this run: point at it to see which.", "small")]
+                              "entry of summary.json or case.json of this run, named by its tooltip.", "small")]
     if not about.summary:
         parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
     parts += [markup.paragraph(f"Warning: {text}", "warning") for text in about.summary.get("warnings") or ()]
@@ -81,7 +80,7 @@ def _errors(about: Subject) -> list[str]:
     parts, judged = [markup.heading("Errors")], account.errors(about.probes, about.case, about.summary)
     if judged.rows:
         parts += [markup.paragraph(account.ALIGNMENT), markup.table(judged)]
-        parts.append(markup.paragraph("In pictures, what is not compared is grey.", "small"))
+        parts.append(markup.paragraph("In pictures, times that are not compared are grey.", "small"))
     without = [probe.name for probe in about.probes if probe.truth is None]
     if without:
         parts.append(markup.paragraph(f"Without a reference: {', '.join(without)}.", "small"))
@@ -119,7 +118,7 @@ def _series(about: Subject, folder: Path) -> list[str]:
                 beside.plot_profiles(about.run, probe, path)
             else:
                 beside.plot_beside(about.run, probe, path)
-        except CaseError as error:    # the file of the truth is not here
+        except CaseError as error:    # the file of the truth is missing
             parts.append(markup.paragraph(f"{probe.name} is shown without its reference: {error}", "warning"))
             rest.append(probe.name)
             continue
@@ -147,12 +146,11 @@ def _flow(about: Subject, folder: Path) -> list[str]:
 
 
 def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
-    """Return the caption of the flow at the greatest value of a probe; in older runs it is that of all times."""
+    """Return the caption of the flow at the greatest value of a probe, in older runs also outside compared times."""
     unit = next((unit for column, unit in about.run.units(name).items() if column not in ("time", "step")), "")
     compared = next((intervals(probe.truth) for probe in about.probes if probe.name == name), ())
     inside = any(start <= time <= end for start, end in compared)
-    where = (" within the time that is compared" if inside else ", which is not of the time that is compared"
-             ) if compared else ""
+    where = (" within the compared time" if inside else ", outside the compared time") if compared else ""
     if any(end - LAST * (end - start) <= time <= end for start, end in compared):
         where += ", at its end and so perhaps no peak"
     known = (about.summary.get("peaks") or {}).get(name) or {}

@@ -1,6 +1,6 @@
 """Studies: many runs of one case, by method, spacing, time step, seed and ranks, with their errors and costs.
 
-Patch studies apply operators to fields with known derivatives instead.
+Patch studies instead apply operators to fields with known derivatives.
 """
 
 from parisph.patch.analytic import AnalyticField

@@ -16,11 +16,10 @@ SHORT = {"method": "", "spacing": "s", "time_step": "dt", "seed": "seed"}    # i
 
 @dataclass(frozen=True)
 class Combination:
-    """What a study sets for one run.
+    """The parameters of one run of a study.
 
     sets : {name: value} of the parameters: method, spacing, time_step, seed, and further ones
-    ranks : number of MPI ranks
-    label : name of the curve that it belongs to
+    ranks : number of MPI ranks; label : name of its curve
     """
 
     sets: dict[str, Any]
@@ -30,18 +29,18 @@ class Combination:
 
     @property
     def name(self) -> str:
-        """Its name in files, from method, spacing, time step, seed and ranks."""
+        """Name in files, from method, spacing, time step, seed and ranks."""
         parts = [f"{short}{text(self.sets[name])}" for name, short in SHORT.items() if name in self.sets]
         return file_name("-".join([self.given] * bool(self.given) + parts + [f"np{self.ranks}"] * (self.ranks > 1)),
                          "run", 80)
 
     @property
     def further(self) -> dict[str, Any]:
-        """The parameters that have no field of their own."""
+        """Parameters without a field of Choices."""
         return {name: value for name, value in self.sets.items() if name not in SHORT}
 
     def described(self) -> str:
-        """Return what distinguishes the run, for people."""
+        """Return the parameters as text, for people."""
         parts = [f"{name}={text(value)}" for name, value in self.sets.items()]
         return ", ".join(parts + [f"{self.ranks} ranks"] * (self.ranks > 1)) or "the case as it is"
 
@@ -51,7 +50,7 @@ def combine(study: Study, sets: Mapping[str, Any] | None = None) -> list[Combina
 
     sets : further parameters of all runs, as of --set
 
-    Raises CaseError: a parameter of `sets` is one that the study varies, or two runs are the same.
+    Raises CaseError: the study varies a parameter of `sets`, or two runs are the same.
     """
     found: list[Combination] = []
     for choices in study.variants or (study,):
@@ -84,10 +83,10 @@ def _product(study: Study, choices: Choices, sets: Mapping[str, Any]) -> Iterato
 
 
 def _labelled(found: list[Combination]) -> list[Combination]:
-    """Return the combinations with their labels: the method, and what else differs but spacing and seed.
+    """Return the combinations with their labels: method, and other parameters that differ, without spacing and seed.
 
-    Runs that differ only by their time step are one curve. The time step is part of a label if there are several
-    spacings, and several time steps for one of them. A label that the study gives is kept.
+    The time step is part of a label if there are several spacings, and several time steps for one of them. Otherwise
+    runs that differ only by their time step are one curve. A label of the study is kept.
     """
     unnamed = [one for one in found if not one.given]
     names = dict.fromkeys(name for one in unnamed for name in one.further)

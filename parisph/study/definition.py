@@ -1,4 +1,4 @@
-"""The description of a study: which runs of a case, what is measured in them, and what is required."""
+"""The description of a study: its runs of a case, its measures and its requirements."""
 
 from collections.abc import Iterable
 from typing import Annotated, Any, Optional, TypeVar
@@ -11,7 +11,7 @@ from parisph.study.measures import AnyMeasure, is_error, name_of
 
 # Parameters with a field of their own.
 OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "seed": "seeds"}
-# Columns of the table, besides the measures, that limits can be set for.
+# Columns of the table, besides the measures, that can have limits.
 COLUMNS = (
     "cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived",
 )
@@ -26,15 +26,15 @@ def listed(values: object) -> object:
 
 
 def each_once(values: tuple[Item, ...]) -> tuple[Item, ...]:
-    """Return values for a field. Raises ValueError if one is there twice."""
+    """Return values for a field. Raises ValueError if one is repeated."""
     for value in values:
         if values.count(value) > 1:
             raise ValueError(f"{shown(value)} is given twice: leave one of them out")
     return values
 
 
-Listed = Annotated[Several[Item], BeforeValidator(listed)]    # of which a single value in place of a list is refused
-Each = Annotated[Listed[Item], AfterValidator(each_once)]        # and a value that is given twice
+Listed = Annotated[Several[Item], BeforeValidator(listed)]    # refuses a single value in place of a list
+Each = Annotated[Listed[Item], AfterValidator(each_once)]        # also refuses repeated values
 Positive = Annotated[float, Field(gt=0)]
 Whole = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1, le=10_000)]
@@ -44,7 +44,7 @@ class Choices(Model):
     """Values that are combined, each with every other. An empty field leaves the value of the case.
 
     methods : names of methods
-    spacings, time_steps : of the case's parameters `spacing` and `time_step`, in their units; a time step None adapts.
+    spacings, time_steps : of the case's parameters `spacing` and `time_step`, in their units; None is an adaptive step.
         If the case has no such parameter, they are numerics.spacing [m] and numerics.time_step [s]
     parameters : {name: value} of the case, or of numerics.NAME; the values of a list are combined, a tuple is one value
     seeds : of the jitter; results are given as mean and range over them
@@ -78,7 +78,7 @@ class Choices(Model):
 class Variant(Choices):
     """Choices that replace those of the study; its parameters are added to those of the study.
 
-    label : name of its curve in tables and pictures; "" for one that says what differs
+    label : name of its curve in tables and pictures; "" for one made of the parameters that differ
     """
 
     label: str = Field(default="", max_length=60, description="name of the curve")
@@ -87,9 +87,9 @@ class Variant(Choices):
 class Required(Model):
     """A limit on a measure, or on a column of the table. Of several seeds the worst counts.
 
-    of : name of the measure, or one of COLUMNS; must, aim : limits that are required, and that are tried for
+    of : name of the measure, or one of COLUMNS; must, aim : required and desired limit
     least : whether they are lower limits
-    where : which runs: {"method", "spacing", "time_step", "seed", "ranks", "label" or a parameter: value}
+    where : the runs: {"method", "spacing", "time_step", "seed", "ranks", "label" or a parameter: value}
     """
 
     of: str = Field(min_length=1, description="name of a measure or a column")
@@ -109,7 +109,7 @@ class OtherCodes(Model):
     """Points of other codes: a CSV file with a header and a line for each point. Cells may be empty.
 
     file : path, relative to the study file; code, spacing, error, cpu : names of its columns, "" for none
-    of : name of the measure that `error` is; the first one of the study by default
+    of : name of the measure of `error`, by default the first one of the study
     """
 
     file: str = Field(min_length=1, description="path of a CSV file, relative to the study file")
@@ -125,15 +125,15 @@ class Study(Choices):
 
     case : path of a case file or of a stored case, relative to the study file
     title : one line for tables and pictures
-    variants : list of Variant; without any, the choices of the study itself are combined
+    variants : list of Variant; if empty, the choices of the study itself are combined
     errors : list of measures: TruthError, SeriesError, FinestError, Quantity, Function
     required : list of Required; others : list of OtherCodes, for the pictures
-    levels : {name of a measure: errors}, for which the CPU times of the methods are compared
+    levels : {name of a measure: errors} at which the CPU times of the methods are compared
     histories : names of probes whose series are drawn side by side, with their truth
-    time_limit : longest time of a run on the clock [s], None for no limit
+    time_limit : longest wall time of a run [s], None for no limit
     warm_up : whether a step of each method is made first, so that no CPU time includes the compilation of kernels
 
-    Raises CaseError: with one line for each problem
+    Raises CaseError with one line for each problem.
     """
 
     case: str = Field(kw_only=True, min_length=1, description="path of the case file, relative to the study file")
@@ -146,7 +146,7 @@ class Study(Choices):
         default_factory=dict,
         description="errors at which costs are compared, each greater than 0, by the name of a measure")
     histories: Listed[str] = ()
-    time_limit: Optional[float] = Field(default=None, gt=0, description="longest time of a run on the clock [s]")
+    time_limit: Optional[float] = Field(default=None, gt=0, description="longest wall time of a run [s]")
     warm_up: bool = True
 
     @model_validator(mode="after")

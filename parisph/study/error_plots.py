@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 FRONT = "Pareto front"
-MANY = 9           # entries of a legend inside the axes; a longer one is below them
+MANY = 9           # most entries of a legend inside the axes; a longer one is below them
 OTHER_MARKS = ("*", "h", "p", "d", "8", "H")
 
 
 @dataclass(frozen=True)
 class Dot:
-    """The runs that differ by their seed only: place on the axis, CPU time [s], and mean, least and largest error."""
+    """Runs that differ only by their seed: place on the axis, CPU time [s], and mean, least and largest error."""
 
     x: float
     cpu: float
@@ -66,7 +66,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
 
 
 def looks_of(curves: Collection[str]) -> dict[str, style.LineLook]:
-    """Return {curve: its colour, style and mark}."""
+    """Return {curve: colour, style and mark}."""
     return {curve: {**look, "marker": MARKS[k % len(MARKS)]}
             for k, (curve, look) in enumerate(zip(curves, style.line_looks(len(curves))))}
 
@@ -87,7 +87,7 @@ def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[
                 label: str, others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
     """Draw errors against spacing with their fitted orders.
 
-    dots : {curve: dots}; label : of the axis; most : entries of a legend inside the axes
+    dots : {curve: dots}; label : of the axis; most : as of add_legend
     """
     for curve, group in dots.items():
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
@@ -125,7 +125,7 @@ def _costs(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, 
 
 def error_bars(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.LineLook,
                label: str) -> None:
-    """Draw the mean of each dot at a place of the axis, with a bar from the least to the largest."""
+    """Draw the means of dots at x, with bars from the least to the largest error."""
     y = np.array([dot.mean for dot in group])
     spread = np.array([[dot.mean - dot.low for dot in group], [dot.high - dot.mean for dot in group]])
     axes.errorbar(x, y, yerr=spread if spread.any() else None, markersize=5, linewidth=1.2, capsize=3,
@@ -142,7 +142,7 @@ def _draw_others(axes: "Axes", others: Sequence[OtherPoint], of: str, note: str)
 
 
 def add_legend(axes: "Axes", curves: Iterable[str], most: int = MANY) -> None:
-    """Add a legend: the Pareto front, then our curves, then other codes."""
+    """Add a legend: the Pareto front, the curves, other codes. most : entries of a legend inside the axes"""
     pairs = list(zip(*axes.get_legend_handles_labels()))
     names = [style.literal(curve, 60) for curve in curves]
     own = [pair for pair in pairs if any(pair[1].startswith(name) for name in names)]
@@ -156,7 +156,7 @@ def add_legend(axes: "Axes", curves: Iterable[str], most: int = MANY) -> None:
 
 
 def _logarithmic(axes: "Axes", values: Sequence[float]) -> None:
-    """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans little more than a decade."""
+    """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans less than a factor of 30."""
     from matplotlib import ticker
 
     axes.set_xscale("log")

@@ -1,4 +1,4 @@
-"""Orders of convergence, the Pareto front of cost and error, and what each method costs for the same error."""
+"""Orders of convergence, the Pareto front of cost and error, and costs of methods at equal error."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from parisph.study.results import Result, grouped
 
 
 def fitted_order(spacings: Sequence[float], errors: Sequence[float | None]) -> float | None:
-    """Return the slope of log(error) over log(spacing), by least squares; None with fewer than two different spacings.
+    """Return the slope of log(error) over log(spacing) by least squares; None for fewer than two different spacings.
 
     spacings, errors : (n,); errors that are None, not finite or not positive are left out
     """
@@ -22,9 +22,9 @@ def fitted_order(spacings: Sequence[float], errors: Sequence[float | None]) -> f
 
 
 def pareto(costs: Sequence[float], errors: Sequence[float]) -> list[int]:
-    """Return the indices of the points that no other one beats in cost and error, by increasing cost.
+    """Return the indices of the points that no other beats in cost and error, by increasing cost.
 
-    costs, errors : (n,) finite numbers; points that are equal are all returned
+    costs, errors : (n,) finite numbers; equal points are all returned
     """
     order = sorted(range(len(costs)), key=lambda k: (costs[k], errors[k]))
     front: list[int] = []
@@ -37,10 +37,10 @@ def pareto(costs: Sequence[float], errors: Sequence[float]) -> list[int]:
 
 
 def cost_at(level: float, costs: Sequence[float], errors: Sequence[float]) -> tuple[float, bool] | None:
-    """Return the least cost of an error of at most `level`, and whether it is an upper bound; None if none is so small.
+    """Return the least cost of an error of at most `level`, and whether it is an upper bound; None without such errors.
 
     Between the points of the Pareto front, log(cost) is linear in log(error). The cost is an upper bound if the error
-    of the cheapest point is already below the level.
+    of the cheapest point is below the level.
 
     costs, errors : (n,), greater than 0
     """
@@ -57,9 +57,9 @@ def cost_at(level: float, costs: Sequence[float], errors: Sequence[float]) -> tu
 
 
 def costs_at_equal_error(results: Sequence[Result], study: Study) -> list[str]:
-    """Return a line for each error of study.levels: the CPU time of each method, over that of the first one.
+    """Return a line for each error of study.levels: the CPU time of each method, and its ratio to that of the first.
 
-    The best of all spacings and time steps of a method count. Several starts: mean (least to largest).
+    The best spacings and time steps of a method count. Several starts give mean (least to largest).
     """
     methods = grouped(results, lambda one: one.run.method)
     return [_line(name, level, methods) for name, levels in study.levels.items() for level in levels]

@@ -24,18 +24,19 @@ if TYPE_CHECKING:
 
 Drawn = tuple[Result, Run]    # a run, and its files
 
-ACROSS = 3    # panels beside each other
-WIDE = 4.6    # [inch] of a panel
-LETTER = 0.07    # [inch] of a letter in the legend
+ACROSS = 3    # most panels in a row
+WIDE = 4.6    # [inch] width of a panel
+LETTER = 0.07    # [inch] width of a letter in the legend
 QUANTILE = 0.005    # share of samples above, and below, the axis if there are spikes
-BEYOND = 1.5  # ranges of the truth that the axis reaches above and below it, at most
-SPIKE = 2.5   # there are spikes if the whole range is so many times that between the quantiles
+BEYOND = 1.5  # largest distance of the axis from the truth, over the range of the truth
+SPIKE = 2.5   # least range of a series with spikes, over that between the quantiles
 
 
 def draw(results: Sequence[Result], probe: str, plan: Plan, path: Path) -> bool:
     """Draw the series of a probe of all runs to a file; return whether there was anything to draw. Needs matplotlib.
 
-    Of starts that differ by their seed the first is drawn; of the columns of a probe the first, of an energy the total.
+    Only the first of starts that differ by their seed is drawn, and one column of a probe: the judged one, else the
+    first.
 
     Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
     """
@@ -85,7 +86,7 @@ def _panel(axes: "Axes", curve: str, group: Sequence[Drawn], probe: str, column:
         line, = axes.plot(series["time"], factor * series[column], linewidth=0.9, **looks[label])
         lines.setdefault(label, line)
         end = max(end, float(series["time"][-1]))
-        if not one.survived:    # where it ended, at the foot of the panel
+        if not one.survived:    # a mark at its end, at the bottom of the panel
             axes.plot(series["time"][-1], 0.04, marker="x", markersize=8, markeredgewidth=2, linestyle="", zorder=5,
                       color=looks[label]["color"], transform=axes.get_xaxis_transform())
     for number, (label, (t, values)) in enumerate(truths.items()):
@@ -122,7 +123,7 @@ def _column(run: Run, probe: str) -> str:
 
 
 def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]]:
-    """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
+    """Return {label: (time [s], values)} of the references of a probe in the case and in the study."""
     found = {}
     try:
         if probe in (own := curves.truths(run)):
@@ -142,7 +143,7 @@ def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]
 
 def _limit(axes: "Axes", panels: Mapping[str, Sequence[Drawn]], probe: str, column: str, factor: float,
            truths: Iterable[tuple[Floats, Floats]]) -> None:
-    """Limit the y axis: spikes, runs that blew up and values far from the truth would hide the rest."""
+    """Limit the y axis: spikes, failed runs and values far from the truth would hide the rest."""
     runs = [pair for group in panels.values() for pair in group]
     kept = [run for one, run in runs if one.survived] or [run for _, run in runs]
     values = factor * np.concatenate([run.probe(probe)[column] for run in kept])

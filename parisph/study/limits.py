@@ -1,4 +1,4 @@
-"""What a study requires, against what its runs gave."""
+"""The requirements of a study, compared with its results."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ from parisph.study.set_words import text
 
 @dataclass(frozen=True)
 class Verdict:
-    """One limit on runs that differ by their seed only.
+    """A Required, applied to runs that differ only by their seed.
 
-    required : Required; where : the run, for people; values : of the starts, None for a run without a value
+    where : the run, for people; values : of the starts, None for a run without a value
     """
 
     required: Required
@@ -25,12 +25,12 @@ class Verdict:
 
     @property
     def met(self) -> bool | None:
-        """Whether every start meets `must`, None where there is none. A run without a value meets nothing."""
+        """Whether every start meets `must`, None without that limit. A run without a value meets no limit."""
         return self._within(self.required.must)
 
     @property
     def reached(self) -> bool | None:
-        """Whether every start reaches `aim`, None where there is none."""
+        """Whether every start reaches `aim`, None without that limit."""
         return self._within(self.required.aim)
 
     def _within(self, limit: float | None) -> bool | None:
@@ -41,7 +41,7 @@ class Verdict:
 
 
 def verdicts(study: Study, runs: Sequence[PlannedRun], results: Sequence[Result]) -> list[Verdict]:
-    """Return a Verdict for each limit and each of the runs that it applies to; one without a result meets nothing."""
+    """Return a Verdict for each Required and each of its runs; a run without a result meets no limit."""
     found, there = [], {one.run.key: one for one in results}
     for required in study.required:
         chosen = [run for run in runs if matches(required.where, run)]
@@ -53,7 +53,7 @@ def verdicts(study: Study, runs: Sequence[PlannedRun], results: Sequence[Result]
 
 
 def table(found: Sequence[Verdict]) -> str:
-    """Return verdicts as a Markdown table; of several starts their range is given."""
+    """Return verdicts as a Markdown table, with the range of several starts."""
     return markdown.table(["required", "run", "measured", "must", "aim", "met"], [
         [one.required.of, one.where, _range(one.values), _limit(one.required, one.required.must),
          _limit(one.required, one.required.aim),

@@ -28,8 +28,8 @@ class SeriesError(Model):
     """The error of a probe against two columns of a CSV file, as `parisph compare` computes it.
 
     file : path, relative to the study file
-    column, time, value, offset, scale, time_scale, shift, best_shift, rest : as of truth.comparison.compare; the
-        best shift is that of the whole series
+    column, time, value, offset, scale, time_scale, shift, best_shift, rest : as of truth.comparison.compare. The best
+        shift is that of the whole series
     start, end : window of the reference's time [s], None for all of it
     norm : relative_l2, or z14, that of Z14
     """
@@ -55,7 +55,8 @@ class SeriesError(Model):
 class FinestError(Model):
     """The difference of a probe from that of the finest run of its curve, relative L2 (Z14 Fig 13b).
 
-    The finest run has the smallest spacing, and of these the shortest time step. It has no difference itself.
+    The finest run has the smallest spacing, and then the shortest time step. It has no difference itself.
+
     start, end : window of time [s], None for all of it
     """
 
@@ -71,7 +72,7 @@ class Quantity(Model):
     """A number of summary.json.
 
     entry : its name, with dots, such as energy_range.high; absolute : whether its sign is left out
-    error : whether less of it is better: it is then drawn, and has a fitted order
+    error : whether a smaller value is better; an error is drawn, with a fitted order
     """
 
     kind: Literal["quantity"] = Field(default="quantity", init=False)
@@ -82,7 +83,7 @@ class Quantity(Model):
 
 
 class Function(Model):
-    """A function of a run: of(run) -> float, with run an io.reader.Run. Only in study files in Python.
+    """A function of a run, of(run: io.reader.Run) -> float. Only in study files in Python.
 
     error : as of Quantity
     """
@@ -127,5 +128,5 @@ def label_of(measure: AnyMeasure) -> str:
 
 
 def is_error(measure: AnyMeasure) -> bool:
-    """Return whether less of a measure is better."""
+    """Return whether a smaller value of a measure is better."""
     return getattr(measure, "error", True)

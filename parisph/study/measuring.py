@@ -1,4 +1,4 @@
-"""The value of a measure in a run, and its faults before anything runs."""
+"""The value of a measure in a run, and a check of measures before any run."""
 
 import math
 from pathlib import Path
@@ -18,10 +18,7 @@ from parisph.truth.recorded import own_columns
 
 
 def faults(measure: AnyMeasure, case: Case, folder: Path) -> list[str]:
-    """Return what is wrong with a measure of a case, one line each. Not collective.
-
-    folder : of the study file, to which the paths of references are relative
-    """
+    """Return the faults of a measure of a case, one line each. Not collective. folder : of the study file"""
     probes = {probe.name: probe for probe in case.probes}
     if isinstance(measure, (Quantity, Function)):
         return []
@@ -42,11 +39,11 @@ def faults(measure: AnyMeasure, case: Case, folder: Path) -> list[str]:
 
 
 def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None) -> float | None:
-    """Return a measure of a run; None where there is none. Not collective.
+    """Return the value of a measure in a run, None without a finite one. Not collective.
 
     folder : of the study file; finest : the finest run of the same curve, for FinestError
 
-    Raises CaseError: it cannot be computed, with the reason; StoreError : files of the run cannot be read
+    Raises CaseError with the reason if it cannot be computed; StoreError : files of the run cannot be read
     """
     try:
         found = _found(measure, run, folder, finest)

@@ -12,7 +12,7 @@ from parisph.study.definition import OtherCodes
 
 @dataclass(frozen=True)
 class OtherPoint:
-    """A run of another code: its name, spacing, error and CPU time [s]; None where not known."""
+    """A run of another code: its name, spacing, error and CPU time [s]; None if unknown."""
 
     code: str
     spacing: float | None

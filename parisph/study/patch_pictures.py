@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ACROSS = 2
-SIZE = 5.2, 4.0    # of a panel [inch]
-INSIDE = 4         # entries of a legend inside the axes
-NARROW = 2.0       # smallest ratio of the ends of an axis to its middle
+SIZE = 5.2, 4.0    # [inch] of a panel
+INSIDE = 4         # most entries of a legend inside the axes
+NARROW = 2.0       # least ratio of the upper end of an axis to its middle
 
 
 def pictures(results: Sequence[PatchResult], study: PatchStudy) -> Iterator[tuple[str, str, list[PatchResult]]]:
@@ -39,7 +39,7 @@ def pictures(results: Sequence[PatchResult], study: PatchStudy) -> Iterator[tupl
 
 
 def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> None:
-    """Draw the norms of results of one group, a panel for each, to a file. Needs matplotlib.
+    """Draw the norms of a group of results to a file, a panel for each. Needs matplotlib.
 
     axis : "spacing", with fitted orders, or "jitter"
     Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
@@ -79,7 +79,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
 
 
 def _widen(axes: "Axes", dots: Sequence[Dot]) -> None:
-    """Show half a decade at least, so that a constant error is a flat line."""
+    """Show at least a factor of NARROW^2, so that a constant error is a flat line."""
     low, high = min(dot.low for dot in dots), max(dot.high for dot in dots)
     if high < NARROW * low:
         middle = (low * high) ** 0.5
@@ -87,9 +87,9 @@ def _widen(axes: "Axes", dots: Sequence[Dot]) -> None:
 
 
 def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: str, path: Path) -> bool:
-    """Draw a histogram to a file, with bars from the least to the largest of all seeds.
+    """Draw a histogram to a file, with bars from the least to the largest of all seeds. Raises as `draw`.
 
-    Returns whether there was any to draw. Raises as `draw`.
+    Returns whether there was anything to draw.
     """
     found = patch_report.counts(results, histogram)
     if not found:
@@ -120,7 +120,7 @@ def _title(picture: "Figure", text: str) -> None:
 
 
 def _dots(group: Sequence[PatchResult], name: str, axis: str) -> list[Dot]:
-    """Return the dots of a curve, without errors of rounding alone."""
+    """Return the dots of a curve, without errors below ROUNDING."""
     found = []
     for family in patch_report.families(group).values():
         values = [one.norms[name] for one in family if name in one.norms]

@@ -16,7 +16,7 @@ from parisph.study.plan import code_version
 from parisph.study.report import spread
 from parisph.study.results import grouped
 
-ROUNDING = 1e-11    # an error below which an operator is exact
+ROUNDING = 1e-11    # largest error of an exact operator
 
 LOST = "- lost: particles without a value, which are left out; in a solution, their row is the mean of their neighbours"
 KINDS = {"laplacian": "Laplacian", "gradient": "Gradient"}
@@ -33,12 +33,12 @@ def groups(results: Iterable[PatchResult]) -> dict[tuple[str, ...], list[PatchRe
 
 
 def curves(results: Iterable[PatchResult]) -> dict[str, list[PatchResult]]:
-    """Return {label of the operator: results} in the order in which they come."""
+    """Return {label of the operator: results} in the given order."""
     return grouped(results, lambda one: one.task.operator.label)
 
 
 def families(results: Iterable[PatchResult]) -> dict[tuple[str, float, float], list[PatchResult]]:
-    """Return results that differ by their seed only, by operator, jitter and spacing."""
+    """Return results that differ only by their seed, by operator, jitter and spacing."""
     return grouped(results, lambda one: (one.task.operator.label, one.task.jitter, one.task.spacing))
 
 
@@ -51,16 +51,13 @@ def heading(results: Sequence[PatchResult]) -> str:
 
 
 def names_in(results: Iterable[PatchResult]) -> list[str]:
-    """Return the names of the norms that some result has, in the order of NORMS."""
+    """Return the names of the norms in the results, in the order of NORMS."""
     there = {name for one in results for name in one.norms}
     return [name for name in NORMS if name in there]
 
 
 def table(results: Sequence[PatchResult], study: PatchStudy) -> str:
-    """Return all tables, the fitted orders and the counts of the histograms as text.
-
-    Several seeds are given as their mean (least to largest).
-    """
+    """Return tables, fitted orders and counts of the histograms as text. Several seeds: mean (least to largest)."""
     if not results:
         return "nothing has been done yet"
     parts = []
@@ -81,9 +78,9 @@ def table(results: Sequence[PatchResult], study: PatchStudy) -> str:
 
 
 def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float], float]:
-    """Return {(operator, jitter): fitted order of a norm in the spacing}, for two spacings or more.
+    """Return {(operator, jitter): fitted order of a norm in the spacing}, for two or more spacings.
 
-    An operator that is exact has none: rounding has no order.
+    Exact operators are left out: rounding has no order.
     """
     found = {}
     for label, curve in curves(results).items():
@@ -96,7 +93,7 @@ def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float],
 
 
 def _orders(results: Sequence[PatchResult], names: Sequence[str]) -> list[str]:
-    """Return title and table of the fitted orders of each operator and jitter, if there are any."""
+    """Return title and table of the fitted orders of each operator and jitter, [] without any."""
     found = {name: orders(results, name) for name in names}
     places = dict.fromkeys(place for one in found.values() for place in one)
     rows = [[label, f"{k:g}", *(f"{one[label, k]:.2f}" if (label, k) in one else "-" for one in found.values())]
@@ -111,7 +108,7 @@ def ranges(histogram: Histogram) -> list[str]:
 
 
 def counts(results: Iterable[PatchResult], histogram: Histogram) -> dict[str, Ints]:
-    """Return {field and operator: (seeds, ranges) particles by their error}, of Laplacians in the interior."""
+    """Return {field and operator: (seeds, ranges) numbers of particles}, of Laplacians in the interior."""
     found: dict[str, list[Ints]] = {}
     several = len({one.task.field.name for one in results}) > 1
     for one in results:
@@ -145,7 +142,7 @@ def _mean(family: Sequence[PatchResult], name: str) -> float | None:
 
 
 def listing(study: PatchStudy, only: Sequence[str] = ()) -> str:
-    """Return what a study does as text. Raises CaseError as patch_results.tasks."""
+    """Return the tests of a study as text. Raises CaseError as patch_tasks.tasks."""
     found = groups(PatchResult(task) for task in tasks(study, only))
     rows = [[heading(group), ", ".join(dict.fromkeys(one.task.operator.label for one in group)), str(len(group)),
              str(len(families(group)))] for group in found.values()]

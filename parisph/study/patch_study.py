@@ -1,4 +1,4 @@
-"""The description of a patch study: which operators are applied to which fields, on which particles."""
+"""The description of a patch study: operators, fields and arrangements of particles."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal, TypeVar, Union
@@ -16,7 +16,7 @@ OF_GRADIENTS = ("interior", "square", "walls", "surface")
 SOLUTIONS = ("dirichlet", "neumann", "closed")
 ON_TANKS = ("neumann", "closed", "walls", "surface")
 MOST_CELLS = {2: 2000, 3: 100}    # across the unit square, and the unit cube
-FEWEST_CELLS = 8                  # so that there is an interior
+FEWEST_CELLS = 8                  # for an interior
 WORDS = {
     "laplacians": "laplacian", "gradients": "gradient", "wall_rows": "wall_rows",
     "surface_gradients": "surface_gradient",
@@ -38,9 +38,9 @@ SomeEach = Annotated[Each[Item], AfterValidator(_some)]
 
 
 class Sweep(Model):
-    """Spacings and disorders that are combined. Errors are drawn against the one with several values.
+    """Spacings and disorders that are combined. Errors are drawn against that with several values.
 
-    spacings : s, of which a whole number fits into 1; jitters : k of a displacement by k s (Rn - 1/2)
+    spacings : s, with 1/s a whole number; jitters : k of a displacement by k s (Rn - 1/2)
     """
 
     spacings: SomeEach[Spacing] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
@@ -57,7 +57,7 @@ class Sweep(Model):
 class Histogram(Model):
     """Counts of particles by the error of their Laplacian, over the largest exact one (Z14 Fig 3).
 
-    spacing, jitter : s and k; edges : of the ranges, which increase; one more range is open above
+    spacing, jitter : s and k; edges : of the ranges, increasing; a last range has no upper edge
     """
 
     spacing: Spacing = Field(description="spacing")
@@ -77,13 +77,13 @@ class PatchStudy(Model):
     """Operators on fields with known derivatives, in the unit square or cube. All choices are combined.
 
     fields : names (patch.analytic.FIELD_OF), or AnalyticField(...)
-    laplacians, gradients : words of the registries of parts, also of parts that the study file has registered
+    laplacians, gradients : words of registered parts, also of those that the study file registers
     patches : what is measured
 
         "interior"   Laplacians and gradients themselves, at particles farther than `margin` from the sides
-        "square"     the same at all particles of a square with nothing around it
+        "square"     the same at all particles of a square without particles around it
         "dirichlet"  solution of lap p = lap f with p = f on all particles around the square
-        "neumann"    the same with walls on all sides but the last, where p = f; n . grad p = n . grad f at the walls
+        "neumann"    the same with walls on all sides except the last, with p = f; n . grad p = n . grad f at the walls
         "closed"     the same with walls on all sides, up to a constant
         "walls"      gradients in the two layers of fluid beside walls
         "surface"    gradients of the particles on a free surface
@@ -91,13 +91,13 @@ class PatchStudy(Model):
     seeds : of the disorder; results are given as mean and range over them
     dim : 2 or 3
     margin : distance from the sides of the particles that count in the interior
-    beyond : whether the lattice of "interior" goes on beyond the sides, so that no support is cut off
-    wall_rows : words, with each of which problems with walls are solved
+    beyond : whether the lattice of "interior" extends beyond the sides, so that no support is cut off
+    wall_rows : words of wall rows; problems with walls are solved with each
     surface_gradients : words of gradients that replace others at the surface, for "surface"
     histograms : list of Histogram, of Laplacians in the interior
     title : one line for tables and pictures
 
-    Raises CaseError: with one line for each problem
+    Raises CaseError with one line for each problem.
     """
 
     kind: Literal["patch"] = Field(default="patch", init=False)
@@ -131,7 +131,7 @@ class PatchStudy(Model):
         return self
 
     def _unknown(self) -> Iterator[str]:
-        """Yield what is wrong with words."""
+        """Yield faults of words."""
         for name, kind in WORDS.items():
             for word in getattr(self, name):
                 if word not in vocabulary.known(kind):
@@ -142,7 +142,7 @@ class PatchStudy(Model):
                        "or give AnalyticField(...)")
 
     def _unused(self) -> Iterator[str]:
-        """Yield choices that have no effect, or that need others."""
+        """Yield faults of choices that have no effect, or need others."""
         if not self.laplacians and not self.gradients:
             yield "give laplacians=[...] or gradients=[...], or both"
             return
@@ -161,23 +161,23 @@ class PatchStudy(Model):
 
     @property
     def analytic(self) -> tuple[AnalyticField, ...]:
-        """The fields."""
+        """The fields, with those that are given by name."""
         return tuple(FIELD_OF[field] if isinstance(field, str) else field for field in self.fields)
 
     @property
     def derivatives(self) -> tuple[str, ...]:
-        """Which exact derivatives the fields must have."""
+        """Names of the exact derivatives that the fields must have."""
         needs_gradient = self.gradients or {"neumann", "closed"} & set(self.patches)
         return (*(["gradient"] if needs_gradient else []), *(["laplacian"] if self.laplacians else []))
 
     @property
     def all_spacings(self) -> tuple[float, ...]:
-        """Those of all sweeps and histograms."""
+        """Spacings of all sweeps and histograms."""
         return (*(s for sweep in self.sweeps for s in sweep.spacings), *(one.spacing for one in self.histograms))
 
 
 def cells_of(spacing: float) -> int:
-    """Return how many spacings fit into 1. Raises ValueError, with the nearest that do, unless it is a whole number."""
+    """Return 1/spacing. Raises ValueError, which names the nearest spacing, unless it is a whole number."""
     cells = round(1.0 / spacing)
     if abs(cells * spacing - 1.0) > 1e-6:
         raise ValueError(f"spacing {spacing:g}: a whole number of spacings must fit into 1; write 1/{cells}")

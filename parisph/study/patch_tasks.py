@@ -19,10 +19,10 @@ from parisph.study.patch_study import OF_GRADIENTS, OF_LAPLACIANS, ON_TANKS, SOL
 from parisph.truth import norms
 
 NEAR_WALL = 2      # layers of fluid beside a wall
-FROM_SURFACE = 4   # layers between those and a surface, whose errors are not those of walls
+FROM_SURFACE = 4   # layers below a surface that are left out there, because their errors are not those of walls
 AXES = "xyz"
 
-# Names of the norms in tables, and what they are.
+# {name of a norm in tables: its definition}
 NORMS = {
     "Er": "Er of Z14: sqrt(sum (error/amplitude)^2 m/rho)", "Er_max": "Er_max of Z14: largest error/amplitude",
     **{f"Er_{axis}": f"Er of Z17 Eq 33, {axis} component: sqrt(sum error^2)/N" for axis in AXES},
@@ -32,10 +32,9 @@ NORMS = {
 
 @dataclass(frozen=True)
 class Operator:
-    """An operator.
+    """An operator. kind : "laplacian" or "gradient"; word : in its registry
 
-    kind : "laplacian" or "gradient"; word : of its registry
-    further : of a Laplacian the word of its rows of walls, of a gradient that of the one at the surface; or ""
+    further : word of the wall rows of a Laplacian, or of the gradient at the surface; or ""
     """
 
     kind: str
@@ -44,17 +43,17 @@ class Operator:
 
     @property
     def label(self) -> str:
-        """Its name in tables."""
+        """Name in tables."""
         return f"{self.further} (at the surface)" if self.kind == "gradient" and self.further else self.word
 
     @property
     def walls(self) -> str:
-        """Word of the rows of walls, or ""."""
+        """Word of the wall rows, or ""."""
         return self.further if self.kind == "laplacian" else ""
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        """Its parts. Raises KeyError for a word without one."""
+        """Its parts. Raises KeyError for a word without a part."""
         kinds: tuple[Any, ...] = (LAPLACIANS, WALL_ROWS) if self.kind == "laplacian" else (GRADIENTS, SURFACE_GRADIENTS)
         return tuple(kind[word] for kind, word in zip(kinds, (self.word, self.further)) if word)
 
@@ -72,11 +71,11 @@ class Task:
 
     @property
     def group(self) -> tuple[str, ...]:
-        """Results in one table: kind of operator, patch, field, and rows of walls if there are walls."""
+        """Key of its table: kind of operator, patch, field, and wall rows if there are walls."""
         return self.operator.kind, self.patch, self.field.name, *([self.operator.walls] if self.operator.walls else [])
 
     def described(self) -> str:
-        """Return what it is, for people."""
+        """Return the task as text, for people."""
         walls = f" with {self.operator.walls} walls" if self.operator.walls else ""
         return (f"{self.operator.kind} {self.operator.label}{walls}, {self.patch}, {self.field.name}, "
                 f"spacing {self.spacing:.4g}, k = {self.jitter:g}, seed {self.seed}")
@@ -84,11 +83,12 @@ class Task:
 
 @dataclass
 class PatchResult:
-    """What a task gave.
+    """The result of a task.
 
-    particles : that were compared
-    lost : of these, without a value, left out of the norms; in a solution, their row is the mean of their neighbours
-    norms : {name in NORMS: number}, empty if there is none; problem : why, in one line
+    particles : number of compared ones
+    lost : number of these without a value, which norms leave out; in a solution, their row is the mean of their
+        neighbours
+    norms : {name in NORMS: number}; problem : reason if there is none, in one line
     sizes : (particles - lost,) |error| of Laplacians over their amplitude if a histogram needs them, else empty
     """
 
@@ -126,9 +126,8 @@ def tasks(study: PatchStudy, only: Sequence[str] = ()) -> list[Task]:
 
     only : words of operators, all if empty
 
-    Raises:
-    CaseError : a word of `only` is not in the study, a word has no part, or a part does not work in this number of
-        dimensions
+    Raises CaseError: a word of `only` is not in the study, a word has no part, or a part does not work in this number
+    of dimensions
     """
     there = (*study.laplacians, *study.gradients)
     for word in only:
@@ -161,7 +160,7 @@ def _check(operator: Operator, dim: int) -> None:
         parts = operator.parts
     except KeyError as error:
         raise CaseError(f"{operator.kind} {shown(error.args[0])} is a word without a part: register it in the study "
-                        "file, or name the file that does with --parts") from None
+                        "file, or in a file given with --parts") from None
     for part in parts:
         if dim not in part.dims:
             raise CaseError(f"{part.name!r} works in {' and '.join(f'{n}D' for n in part.dims)} only: "
@@ -169,7 +168,7 @@ def _check(operator: Operator, dim: int) -> None:
 
 
 def apply(task: Task, study: PatchStudy) -> PatchResult:
-    """Apply the operator of a task and return its errors. On this rank alone."""
+    """Apply the operator of a task and return its errors. Not collective."""
     try:
         return _solution(task, study) if task.patch in SOLUTIONS else _derivative(task, study)
     except SolverDiverged as error:
@@ -193,7 +192,7 @@ def _derivative(task: Task, study: PatchStudy) -> PatchResult:
     found, exact = found[sound], exact[sound]
     result.norms = dict(zip(("L2", "Linf"), norms.relative_l2_linf(found, exact)))
     if task.operator.kind == "laplacian":
-        # the amplitude over the whole square, as 80 pi^2 of the paper's field
+        # the amplitude over the whole square, 80 pi^2 for the field of Z14
         amplitude, volume = float(np.abs(of.laplacians(a.x[a.inside])).max()), a.spacing**a.dim
         if any(one.spacing == task.spacing and one.jitter == task.jitter for one in study.histograms):
             result.sizes = np.abs(found - exact) / amplitude
@@ -234,7 +233,7 @@ def _arrangement(task: Task, study: PatchStudy) -> Arrangement:
 
 
 def _compared(a: Arrangement, patch: str, margin: float) -> Flags:
-    """Return which particles count, (n,) bool."""
+    """Return whether particles are compared, (n,) bool."""
     found: Flags = a.inside
     if patch == "surface":
         found = a.role == SURFACE

@@ -27,16 +27,16 @@ from parisph.study.set_words import INSIDE
 
 # The parts of parisph that decide what a run computes.
 ENGINE = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "driver")
-LINE = 300    # characters of a line of a message
+LINE = 300    # most characters of a line of a message
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlannedRun(Combination):
     """A run of a study, with its case.
 
-    stored : JSON text of its case, which is what runs
-    key : digest of the case, the ranks and parisph's own code: a finished run with the same key is not made again
-    parts : Python files that register parts of methods, which the run needs
+    stored : JSON text of its case, which the run reads
+    key : digest of the case, the ranks and the code of parisph; a finished run with the same key is not repeated
+    parts : Python files that register parts of methods for the run
     """
 
     case: Case
@@ -46,7 +46,7 @@ class PlannedRun(Combination):
 
     @property
     def folder(self) -> str:
-        """The name of its folder and files."""
+        """Name of its folder and files."""
         return f"{self.name}-{self.key[:8]}"
 
     @property
@@ -61,25 +61,25 @@ class PlannedRun(Combination):
 
     @property
     def spacing(self) -> float:
-        """Particle spacing in the unit of the study if it gives one, else [m]."""
+        """Particle spacing, in the unit of the study's spacings if it has some, else [m]."""
         given = self.sets.get("spacing")
         return float(self.case.numerics.spacing if given is None else set_words.value("spacing", given))
 
     @property
     def time_step(self) -> float | None:
-        """Time step in the unit of the study if it gives one, else [s]; None if it adapts."""
+        """Time step, in the unit of the study's time steps if it has some, else [s]; None if adaptive."""
         found = set_words.value("time_step", self.sets.get("time_step", self.case.numerics.time_step))
         return None if found is None else float(found)
 
     @property
     def step_text(self) -> str:
-        """The time step for people, with its unit if that is the second."""
+        """Time step as text, with its unit if that is the second."""
         if self.time_step is None:
             return "adaptive"
         return f"{self.time_step:.4g}{'' if 'time_step' in self.sets else ' s'}"
 
     def estimate(self) -> dict[str, Any]:
-        """Return {"particles", "steps", "seconds", "basis"} as `parisph check` estimates them, of one rank."""
+        """Return {"particles", "steps", "seconds", "basis"} for one rank, as of `parisph check`."""
         numerics = self.case.numerics.resolved()
         particles = size.counts(self.case)["all"]
         steps = estimate.estimated_steps(self.case, numerics, scales.expected(self.case))
@@ -91,9 +91,8 @@ class PlannedRun(Combination):
 class Plan:
     """A study whose runs have all been checked.
 
-    study : Study; place : folder of its file
-    runs : all its runs; chosen : those of --only
-    folder : where it writes; limit : longest time of a run on the clock [s], None for any
+    study : Study; place : folder of its file; runs : all its runs; chosen : those of --only
+    folder : of its results; limit : longest wall time of a run [s], None for any
     """
 
     study: Study
@@ -105,7 +104,7 @@ class Plan:
 
     @property
     def title(self) -> str:
-        """One line for people: that of the study, else of its case."""
+        """Title of the study, else of its case."""
         return self.study.title or self.runs[0].case.title
 
 
@@ -115,11 +114,10 @@ def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequenc
 
     file : absolute path of the study file; sets : texts "name=value" of --set, for all runs
     only : names of methods or labels, all if empty; out : folder, studies/NAME by default
-    limit : longest time of a run on the clock [s], by default that of the study
-    parts : Python files that register parts of methods, which have been read
+    limit : longest wall time of a run [s], by default that of the study
+    parts : Python files that have registered parts of methods
 
-    Raises:
-    CaseError : a case, a measure or a limit of the study is wrong, with one line for each problem; or an argument is
+    Raises CaseError with one line for each fault of a case, a measure, a limit or an argument.
     """
     case = (file.parent / study.case).resolve()
     runs: list[PlannedRun] = []
@@ -145,12 +143,12 @@ def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequenc
     _check_different(runs)
     folder = study_folder.choose(file, out)
     if limit is not None and not limit > 0.0:
-        raise CaseError(f"--limit {limit:g}: must be greater than 0, the longest time of a run on the clock [s]")
+        raise CaseError(f"--limit {limit:g}: must be greater than 0, the longest wall time of a run [s]")
     return Plan(study, file.parent, tuple(runs), _chosen(runs, only), folder, limit or study.time_limit)
 
 
 def _chosen(runs: Sequence[PlannedRun], only: Sequence[str]) -> tuple[PlannedRun, ...]:
-    """Return the runs of some methods or labels; all if none is named. Raises CaseError for one that is not there."""
+    """Return the runs of some methods or labels, of all if empty. Raises CaseError for an unknown one."""
     there = list(dict.fromkeys(name for run in runs for name in (run.method, run.label)))
     for name in only:
         if name not in there:
@@ -161,7 +159,7 @@ def _chosen(runs: Sequence[PlannedRun], only: Sequence[str]) -> tuple[PlannedRun
 
 @functools.lru_cache(maxsize=1)
 def code_version() -> str:
-    """Return parisph's version and a digest of those of its sources that decide what a run computes."""
+    """Return the version of parisph and a digest of the sources in ENGINE."""
     root = Path(parisph.__file__).resolve().parent
     found = hashlib.blake2b(digest_size=8)
     for path in sorted(path for part in ENGINE for path in (root / part).rglob("*.py")):
@@ -192,7 +190,7 @@ def _case(path: Path, one: Combination) -> Case:
 
 
 def _faults(study: Study, case: Case, folder: Path) -> Iterator[str]:
-    """Yield what is wrong with the measures, histories and other codes of a study, for one of its cases."""
+    """Yield the faults of the measures, histories and other codes of a study, for one of its cases."""
     for measure in study.errors:
         yield from measuring.faults(measure, case, folder)
     names = [probe.name for probe in case.probes]
@@ -207,7 +205,7 @@ def _faults(study: Study, case: Case, folder: Path) -> Iterator[str]:
 
 
 def matches(where: dict[str, Any], run: PlannedRun) -> bool:
-    """Return whether a run is one that a Required names by its `where`."""
+    """Return whether a run has the values of `where`, as of Required."""
     there = {**run.sets, "method": run.method, "spacing": run.spacing, "time_step": run.time_step, "ranks": run.ranks,
              "label": run.label}
     return all(name in there and _same(there[name], value) for name, value in where.items())

@@ -13,7 +13,7 @@ from pathlib import Path
 from parisph.base import environment
 from parisph.base.errors import MissingLibrary
 
-PATIENCE = 10.0    # [s] for a run to write its summary when it is asked to stop
+PATIENCE = 10.0    # [s] for a run to write its summary after it is asked to stop
 GRACE = 3.0        # [s] between SIGTERM and SIGKILL
 PAUSE = 0.05       # [s] between polls
 
@@ -32,10 +32,7 @@ def command(words: Sequence[str], ranks: int) -> list[str]:
 class Process:
     """A run in the background. It has its own session: Ctrl-C reaches only the study.
 
-    output : file that receives what it prints
-
-    code : exit code, or None while it runs; seconds : time on the clock so far
-    stopped : whether `ask` or `kill` has ended it
+    output : file for its output; stopped : whether `ask` or `kill` was used
     """
 
     def __init__(self, command: Sequence[str], output: Path) -> None:
@@ -56,11 +53,11 @@ class Process:
 
     @property
     def seconds(self) -> float:
-        """Time on the clock since its start, or that it took."""
+        """Wall time since its start, or from start to end."""
         return time.monotonic() - self._began if self._seconds is None else self._seconds
 
     def ask(self) -> None:
-        """Ask it to stop after its step, with checkpoint and summary. mpirun passes the signal on."""
+        """Ask it to stop after the current step, with checkpoint and summary. mpirun passes the signal on."""
         if self.code is None:
             self.stopped = True
             with suppress(ProcessLookupError):

@@ -1,4 +1,4 @@
-"""The table of a study in Markdown, where starts that differ by their seed are one line, and the list of its runs."""
+"""The table of a study in Markdown, with one line for runs that differ only by their seed, and the list of its runs."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
@@ -21,7 +21,7 @@ ENERGIES = (("energy, end", "energy_end", 4), ("energy, most", "energy_high", 5)
 
 
 def families(results: Iterable[Result]) -> list[list[Result]]:
-    """Return results in groups that differ by their seed only, in the order in which they come."""
+    """Return results in groups that differ only by their seed, in the given order."""
     def but_seed(one: Result) -> tuple[str, str, int]:
         sets = {name: value for name, value in one.run.sets.items() if name != "seed"}
         return one.run.label, repr(sorted(sets.items(), key=lambda pair: pair[0])), one.run.ranks
@@ -30,12 +30,12 @@ def families(results: Iterable[Result]) -> list[list[Result]]:
 
 
 def curves(results: Iterable[Result]) -> dict[str, list[Result]]:
-    """Return {label: results} in the order in which they come."""
+    """Return {label: results} in the given order."""
     return grouped(results, lambda one: one.run.label)
 
 
 def axis_of(results: Sequence[Result]) -> tuple[str | None, str]:
-    """Return what the runs of a curve differ by, spacing or time_step or None, and its name for people."""
+    """Return the axis of a curve, "spacing", "time_step" or None, and its label."""
     if len({one.run.spacing for one in results}) > 1:
         own = all("spacing" in one.run.sets for one in results)
         return "spacing", "spacing (unit of the case)" if own else "spacing [m]"
@@ -89,7 +89,7 @@ def listing(plan: Plan) -> str:
 
 
 def name_of(one: Result) -> str:
-    """Return what distinguishes a run, for people: curve, spacing, time step and seed if the study sets them."""
+    """Return the name of a run, for people: curve, spacing, and time step and seed if the study sets them."""
     run = one.run
     parts = [run.label, f"spacing {run.spacing:.4g}",
              f"time step {run.step_text}" if "time_step" in run.sets and "dt = " not in run.label else "",
@@ -98,7 +98,7 @@ def name_of(one: Result) -> str:
 
 
 def _constant(results: Sequence[Result]) -> str:
-    """Return the parameters that are the same in all runs, as text."""
+    """Return the common parameters of all runs as text."""
     found = [one.run.further for one in results]
     return ", ".join(f"{name} = {text(value)}" for name, value in found[0].items()
                      if all(name in other and repr(other[name]) == repr(value) for other in found))
@@ -119,12 +119,12 @@ def _orders(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 
 def _column(head: str, name: str, digits: int) -> tuple[str, Cell]:
-    """Return the head of a column, and the function of the runs of a line that gives its cell."""
+    """Return the head of a column, and the function that returns its cell for the runs of a line."""
     return head, lambda group: spread((one.number(name) for one in group), digits)
 
 
 def spread(numbers: Iterable[float | None], digits: int = 3) -> str:
-    """Return the mean (least to largest) of the numbers that there are as text, the number alone if they are equal."""
+    """Return the mean (least to largest) of numbers without None as text, the mean alone if they are equal."""
     values = [value for value in numbers if value is not None]
     if not values:
         return "-"
@@ -133,7 +133,7 @@ def spread(numbers: Iterable[float | None], digits: int = 3) -> str:
 
 
 def _volume(group: Sequence[Result]) -> str:
-    """Return the least and the largest volume of all starts, over that at their start."""
+    """Return the least and the largest volume of all starts, relative to that at t = 0, as text."""
     low, high = ([value for value in (one.values.get(name) for one in group) if value is not None]
                  for name in ("volume_low", "volume_high"))
     return f"{min(low):.4f} to {max(high):.4f}" if low and high else "-"

@@ -1,4 +1,4 @@
-"""What the runs of a study gave: a line for each in results.json and results.csv."""
+"""The results of the runs of a study: a line for each in results.json and results.csv."""
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from contextlib import suppress
@@ -22,13 +22,11 @@ Item = TypeVar("Item")
 
 @dataclass
 class Result:
-    """What a run gave.
+    """The result of a run. end : how it ended; folder : of its files
 
-    run, end : the run, and how it ended
-    folder : of the run
-    values : {column: number or None}: particles, steps, time [s], cpu_seconds (of all ranks together), wall_seconds,
-        iterations (mean of a step), volume_low, volume_high, energy_end and energy_high (over their start)
-    errors : {name of a measure: number or None}; problems : {name of a measure: why there is none}
+    values : {column: number or None}: particles, steps, time [s], cpu_seconds (of all ranks), wall_seconds, iterations
+        (mean of a step), volume_low, volume_high, energy_end and energy_high (relative to the start)
+    errors : {name of a measure: number or None}; problems : {name of a measure: reason if it has none}
     """
 
     run: PlannedRun
@@ -40,12 +38,12 @@ class Result:
 
     @property
     def survived(self) -> bool:
-        """Whether the run came to its end."""
+        """Whether the run has reached its end time."""
         return self.end.status == "completed"
 
     @property
     def reason(self) -> str:
-        """Why it did not come to its end, and the time that it reached; else why measures are missing."""
+        """Why it did not reach its end time, and the time that it reached; else why measures are missing."""
         if not self.survived:
             reached = self.values.get("time")
             return f"{self.end.reason}{f' (reached t = {reached:.4g} s)' if reached is not None else ''}"
@@ -74,7 +72,7 @@ COLUMNS = ("particles", "steps", "time", "cpu_seconds", "wall_seconds", "iterati
 
 
 def result(run: PlannedRun, end: End, plan: Plan) -> Result:
-    """Return what a run gave, but for its difference from the finest run. Not collective."""
+    """Return the result of a run, without its difference from the finest run. Not collective."""
     found = Result(run, end, plan.folder / RUNS / run.folder)
     try:
         files = open_run(found.folder)
@@ -89,7 +87,7 @@ def result(run: PlannedRun, end: End, plan: Plan) -> Result:
 
 
 def add_finest(results: Iterable[Result], plan: Plan) -> None:
-    """Add the differences from the finest run of the same curve, with the same seed if there is one."""
+    """Add the differences from the finest run of the same curve, of the same seed if possible."""
     results = [found for found in results if found.survived]
     for measure in (measure for measure in plan.study.errors if measure.kind == "finest"):
         for found in results:
@@ -130,7 +128,7 @@ def _values(run: Run, end: End) -> dict[str, float | None]:
 
 
 def _iterations(run: Run) -> float | None:
-    """Return the mean number of iterations of a step, of all its solves; None where a method solves nothing."""
+    """Return the mean number of iterations of all solves of a step; None for a method without solves."""
     with suppress(ParisphError):
         steps = run.steps
         counts = [steps[name] for name in ("iterations", "position_iterations") if name in (steps.dtype.names or ())]
@@ -153,7 +151,7 @@ def save(results: Sequence[Result], plan: Plan) -> None:
 
 
 def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
-    """Return {key: items with this key}, both in the order in which they come."""
+    """Return {key: items with this key} in the given order."""
     found: dict[Key, list[Item]] = {}
     for item in items:
         found.setdefault(key(item), []).append(item)

@@ -22,12 +22,12 @@ def run_patch_study(study: PatchStudy, file: Path, folder: Path, only: Sequence[
                     force: bool = False, show: Callable[[str], None] = print) -> int:
     """Make all tests, write and show the results, and return the exit code, 0. Not collective.
 
-    file : of the study; folder : where it writes; only : words of operators, all if empty
+    file : of the study; folder : of the results; only : words of operators, all if empty
     progress : whether a line for each point is written to standard error
-    force : whether to use a folder that another host seems to use; show : what the tables are given to
+    force : whether to use a folder that another host seems to use; show : function that shows the tables
 
     Raises CaseError : as patch_tasks.tasks, or a field fails on the particles
-    Interrupted : Ctrl-C, SIGTERM or SIGHUP; the tables of what was done are there
+    Interrupted : Ctrl-C, SIGTERM or SIGHUP, after the tables of the finished tests were written
     StoreError : the folder cannot be written, or another process writes there
     """
     todo = patch_tasks.tasks(study, only)
@@ -43,7 +43,7 @@ def run_patch_study(study: PatchStudy, file: Path, folder: Path, only: Sequence[
 
 
 def _results(todo: Sequence[Task], study: PatchStudy, renew: Callable[[], None], progress: bool) -> list[PatchResult]:
-    """Return the results of the tests that were made before the user stopped them."""
+    """Return the results of the tests, or of those made before Ctrl-C."""
     found: list[PatchResult] = []
     try:
         for number, task in enumerate(todo, 1):
@@ -58,7 +58,7 @@ def _results(todo: Sequence[Task], study: PatchStudy, renew: Callable[[], None],
 
 
 def _pictures(found: Sequence[PatchResult], study: PatchStudy, title: str, folder: Path, progress: bool) -> list[Path]:
-    """Draw the pictures and return their paths; without matplotlib, say so and return nothing."""
+    """Draw the pictures and return their paths; without matplotlib, print a note."""
     made: list[Path] = []
     try:
         for name, axis, results in patch_pictures.pictures(found, study):

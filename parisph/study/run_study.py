@@ -6,11 +6,11 @@
     DIR/history_NAME.png               a probe of all runs
     DIR/cases/RUN.json                 the case of a run
     DIR/runs/RUN/                      the folder of a run, see io.layout
-    DIR/ends/RUN.json, RUN.txt         how it ended, if that is final; what it printed
+    DIR/ends/RUN.json, RUN.txt         how it ended, if that is final; its output
     DIR/run.lock                       names the process that writes; removed at the end
 
-RUN is made of method, spacing, time step, seed, ranks and a digest of the case and the code: another case or another
-version of parisph never replaces a run. Nothing is removed.
+RUN consists of method, spacing, time step, seed, ranks and a digest of the case and the code: another case or version
+of parisph never replaces a run. Nothing is removed.
 """
 
 import os
@@ -26,22 +26,22 @@ from parisph.study.plan import Plan, PlannedRun
 from parisph.study.processes import command
 from parisph.study.results import Result
 
-UNDONE = 1    # exit code if a run failed, or something required is not met
+UNDONE = 1    # exit code if a run failed, or a requirement is not met
 
 
 def run_study(plan: Plan, jobs: int = 1, progress: bool = True, force: bool = False,
               show: Callable[[str], None] = print) -> int:
     """Make the chosen runs that are not done, write and show all results, and return the exit code.
 
-    jobs : runs at once; progress : whether a line for each run is written to standard error
-    force : whether to use a folder that another host seems to use; show : what the table is given to
+    jobs : number of runs at once; progress : whether a line for each run is written to standard error
+    force : whether to use a folder that another host seems to use; show : function that shows the table
 
-    Returns 0, or 1 if a run failed for a reason other than its method, or something required is not met.
+    Returns 0, or UNDONE if a run failed without having diverged, or a requirement is not met.
 
-    Raises Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
+    Raises Interrupted : Ctrl-C, SIGTERM or SIGHUP; running runs are ended, and the table of the others is written
     StoreError : the folder cannot be written, or another process writes there; MissingLibrary : no mpirun
     """
-    command([], max(run.ranks for run in plan.chosen))    # an error if there is no mpirun
+    command([], max(run.ranks for run in plan.chosen))    # raises without mpirun
     with study_folder.hold(plan.folder, force) as renew:
         tell = _Progress(plan, progress)
         made, stopped = _results(plan, jobs, tell, renew)
@@ -55,7 +55,7 @@ def run_study(plan: Plan, jobs: int = 1, progress: bool = True, force: bool = Fa
 
 
 def _results(plan: Plan, jobs: int, tell: "_Progress", renew: Callable[[], None]) -> tuple[dict[str, Result], bool]:
-    """Return {key: Result} of all runs that have one, and whether the user has stopped the study."""
+    """Return {key: Result} of all finished runs, and whether the user has stopped the study."""
     ends = runs.ends(plan)
     found = {run.key: results.result(run, ends[run.key], plan) for run in plan.runs if run.key in ends}
     for run in plan.chosen:
@@ -66,9 +66,9 @@ def _results(plan: Plan, jobs: int, tell: "_Progress", renew: Callable[[], None]
         if todo:
             tell.cores(todo, jobs)
         if todo and plan.study.warm_up:
-            tell.say("taking a step of each method, so that its kernels are compiled")
+            tell.say("compiling kernels by a step of each method")
             runs.compile_kernels(todo)
-        with closing(runs.make(todo, plan, jobs, renew)) as going:    # ends them in any case
+        with closing(runs.make(todo, plan, jobs, renew)) as going:    # ends runs after an error too
             for run, end in going:
                 found[run.key] = results.result(run, end, plan)
                 tell.run(found[run.key])
@@ -96,13 +96,13 @@ def _conclude(plan: Plan, found: Sequence[Result], show: Callable[[str], None], 
     if unmet:
         print("parisph: required and not met:\n" + "\n".join(f"  {line}" for line in unmet), file=sys.stderr)
     if failed:
-        print(f"parisph: {len(failed)} run{'s' * (len(failed) > 1)} failed; what they said is in "
+        print(f"parisph: {len(failed)} run{'s' * (len(failed) > 1)} failed; their output is in "
               f"{plan.folder / runs.ENDS}", file=sys.stderr)
     return UNDONE if unmet or failed else 0
 
 
 def _pictures(plan: Plan, found: Sequence[Result], tell: "_Progress") -> list[Path]:
-    """Draw the pictures and return their paths; without matplotlib, say so and return those that there are."""
+    """Draw the pictures and return their paths; without matplotlib, print a note."""
     study, made = plan.study, []
     names = [measures.name_of(measure) for measure in study.errors]
     try:
@@ -137,7 +137,7 @@ class _Progress:
     def cores(self, todo: Sequence[PlannedRun], jobs: int) -> None:
         ranks, cores = sum(sorted((run.ranks for run in todo), reverse=True)[:jobs]), os.cpu_count() or 1
         if ranks > cores:
-            self.say(f"warning: {ranks} ranks at once on {cores} cores: times on the clock will be too long")
+            self.say(f"warning: {ranks} ranks at once on {cores} cores: wall times will be too long")
 
     def run(self, one: Result, note: str = "") -> None:
         errors = [f"{name} {value:.3g}" for name, value in one.errors.items() if value is not None]

@@ -1,4 +1,4 @@
-"""Make the runs of a study, several at once. A finished run is not made again."""
+"""Make the runs of a study, several at once. Finished runs are not repeated."""
 
 import json
 import tempfile
@@ -18,17 +18,17 @@ from parisph.study import processes
 from parisph.study.plan import Plan, PlannedRun, code_version
 
 CASES, RUNS, ENDS = "cases", "runs", "ends"    # folders inside that of a study
-DIVERGED = 3         # exit code of a run that blew up: a result
-FIRST_STEP = 1e-3    # of the end time: a run to there takes a step
+DIVERGED = 3         # exit code of a run that has diverged, which is a result
+FIRST_STEP = 1e-3    # share of the end time for a run of about one step
 
 
 @dataclass(frozen=True)
 class End:
     """How a run ended.
 
-    key : of the PlannedRun; code : exit code; wall : [s] on the clock
+    key : of the PlannedRun; code : exit code; wall : wall time [s]
     status : completed, diverged, out of time, failed
-    reason : one line, "" for a completed run; limit : longest time that it was given [s], None for any
+    reason : one line, "" for a completed run; limit : longest wall time that was allowed [s], None for any
     """
 
     key: str
@@ -40,18 +40,18 @@ class End:
 
     @property
     def final(self) -> bool:
-        """Whether this is a result, which another attempt would only repeat."""
+        """Whether another attempt would only repeat this result."""
         return self.status in ("completed", "diverged", "out of time")
 
 
 def ends(plan: Plan) -> dict[str, End]:
-    """Return {key: End} of the runs that need not be made again."""
+    """Return {key: End} of the runs that need not be repeated."""
     found = {run.key: _end(run, plan) for run in plan.runs}
     return {key: end for key, end in found.items() if end is not None}
 
 
 def _end(run: PlannedRun, plan: Plan) -> End | None:
-    """Return how a run ended if it need not be made again; a run is made again if it would get more time now."""
+    """Return how a run ended, None if it must be repeated, as with more time than before."""
     try:
         content = read_json(_path(run, plan, ".json"), needs_digest=True)
         end = End(**{name: content[name] for name in End.__dataclass_fields__})
@@ -69,9 +69,9 @@ def _path(run: PlannedRun, plan: Plan, ending: str) -> Path:
 
 
 def compile_kernels(runs: Sequence[PlannedRun]) -> None:
-    """Take a step of the coarsest case of each method and number of ranks, so that their kernels are compiled.
+    """Compile kernels by a step of the coarsest case of each method, preset and number of ranks.
 
-    If this fails, nothing is said: the run itself will say why.
+    Failures are ignored: the run itself will report them.
     """
     coarsest: dict[tuple[str, str, int], PlannedRun] = {}
     for run in sorted(runs, key=lambda run: -run.spacing):
@@ -92,11 +92,12 @@ def compile_kernels(runs: Sequence[PlannedRun]) -> None:
 
 def make(runs: Sequence[PlannedRun], plan: Plan, jobs: int = 1,
          renew: Callable[[], None] = lambda: None) -> Generator[tuple[PlannedRun, End], None, None]:
-    """Make some runs of a plan, at most `jobs` at once, and yield each with its End as soon as it has ended.
+    """Make runs of a plan, at most `jobs` at once, and yield each with its End as soon as it has ended.
 
-    renew : called again and again meanwhile
-    If the generator is closed, or an exception is raised in it (Ctrl-C), the runs that it has started are ended.
-    Raises StoreError : the folder cannot be written.
+    renew : called repeatedly meanwhile
+
+    If the generator is closed, or an exception is raised in it (Ctrl-C), its running runs are ended. Raises StoreError
+    if the folder cannot be written.
     """
     with failing_as(f"write to {plan.folder}"):
         for name in (CASES, RUNS, ENDS):
@@ -123,10 +124,10 @@ def make(runs: Sequence[PlannedRun], plan: Plan, jobs: int = 1,
 
 def _start(run: PlannedRun, plan: Plan) -> processes.Process:
     case, out = plan.folder / CASES / f"{run.folder}.json", plan.folder / RUNS / run.folder
-    # the parameters that made the case are no part of its digest
+    # the digest of the case does not include the parameters that made it
     write_text(case, json.dumps({**json.loads(run.stored), MADE: dict(run.case.origin)}))
     _path(run, plan, ".json").unlink(missing_ok=True)
-    # --overwrite moves aside what an interrupted attempt has left
+    # --overwrite moves the files of an interrupted attempt aside
     words = ["run", str(case), "-o", str(out), "-q", "--overwrite", *(f"--parts={path}" for path in run.parts)]
     return processes.Process(processes.command(words, run.ranks), _path(run, plan, ".txt"))
 
@@ -147,7 +148,7 @@ def _ended(run: PlannedRun, plan: Plan, process: processes.Process, late: bool) 
 
 
 def _reason(run: PlannedRun, plan: Plan, code: int) -> str:
-    """Return why a run failed, from its summary, else from what it printed: the error, or the last line."""
+    """Return why a run failed: from its summary, else the error or the last line of its output."""
     with suppress(ParisphError):
         status = str((reader.Run(plan.folder / RUNS / run.folder).summary or {}).get("status", ""))
         if status.startswith("failed: "):

@@ -1,4 +1,4 @@
-"""Values of parameters as text: the words name=value of --set for all runs of a study."""
+"""Values of parameters as text, for the words name=value of --set."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -26,9 +26,9 @@ def read(words: Sequence[str]) -> dict[str, str]:
 
 
 def value(name: str, given: Any) -> Any:
-    """Return the value of a field of numerics that may be given as text: None, a truth value, a number, or the text.
+    """Return the value of a field of numerics from a text: None, bool, number, or the text; other values unchanged.
 
-    An empty text is None; so is "none", unless it is a word of the field, as of surface_rule.
+    "" is None. "none" is None too, unless it is a word of the field, as of surface_rule.
     """
     if not isinstance(given, str):
         return given
@@ -46,7 +46,7 @@ def value(name: str, given: Any) -> Any:
 
 
 def text(value: Any) -> str:
-    """Return a value of a parameter as --set takes it."""
+    """Return the value of a parameter as text for --set."""
     if isinstance(value, (tuple, list)):
         return ",".join(map(text, value))
     return "none" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)

@@ -19,8 +19,8 @@ def read(path: AnyPath) -> tuple[Study | PatchStudy, Path]:
     path : a Python file with `study = Study(...)` or `study = PatchStudy(...)`, or a function `study()` that returns
         one; or a JSON file with the fields of a Study, or, with "kind": "patch", of a PatchStudy
 
-    Raises CaseError: the file or the study is wrong; says where and what to do. Any exception in the code of the file
-    (except KeyboardInterrupt) becomes a CaseError.
+    Raises CaseError, with place and remedy, for a fault of the file or the study. Any exception in the code of the file
+    except KeyboardInterrupt becomes a CaseError.
     """
     file = paths.checked(path, "FILE")
     if not file.is_file():
@@ -40,7 +40,7 @@ def _kind_of(text: str) -> type[Study] | type[PatchStudy]:
     """Return the class of the study in a JSON text."""
     try:
         found = json.loads(text)
-    except ValueError:    # the class says where
+    except ValueError:    # Study reports the place
         return Study
     return PatchStudy if isinstance(found, dict) and found.get("kind") == "patch" else Study
 

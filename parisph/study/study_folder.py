@@ -1,4 +1,4 @@
-"""The folder that a study writes: its place, its lock, the names and the content of its tables."""
+"""The folder of a study: its place, its lock, and the files with its tables."""
 
 import csv
 import io
@@ -20,7 +20,7 @@ from parisph.io.lock import Lock
 
 
 def choose(file: Path, out: AnyPath | None) -> Path:
-    """Return the folder of the study in a file: `out`, or studies/NAME. Raises CaseError if it cannot be one."""
+    """Return the folder of a study: `out`, or studies/NAME of its file. Raises CaseError for a run or a file."""
     folder = Path("studies") / file.stem if out is None else paths.checked(out, "out")
     if (folder / "case.json").exists():
         raise CaseError(f"{named(folder)} holds a run: give another folder for the study with -o DIR")
@@ -30,17 +30,18 @@ def choose(file: Path, out: AnyPath | None) -> Path:
 
 
 def file_name(name: str, otherwise: str, longest: int = 60) -> str:
-    """Return a name as a part of a file name; `otherwise` if nothing of it is left."""
+    """Return a name without characters unfit for file names; `otherwise` if it becomes empty."""
     return clipped(re.sub(r"[^A-Za-z0-9.+-]+", "_", name).strip("_-.") or otherwise, longest)
 
 
 @contextmanager
 def hold(folder: Path, force: bool = False) -> Iterator[Callable[[], None]]:
-    """Make a folder and hold its lock. SIGTERM and the loss of the terminal act as Ctrl-C meanwhile.
+    """Make a folder and hold its lock. SIGTERM and SIGHUP act as Ctrl-C meanwhile.
 
     force : whether to use a folder that another host seems to use
-    Yields a function that is to be called from time to time: it renews the lock, and raises StoreError if it is lost.
-    Raises StoreError if the folder cannot be written, or another process writes there.
+
+    Yields a function to be called repeatedly: it renews the lock, and raises StoreError if that is lost. Raises
+    StoreError if the folder cannot be written, or another process writes there.
     """
     with failing_as(f"write to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -70,9 +71,9 @@ def _terminated_as_interrupted() -> Iterator[None]:
 
 
 def save(folder: Path, content: Mapping[str, Any], lines: Sequence[Mapping[str, Any]], name: str) -> None:
-    """Write results.json and results.csv, each whole or not at all. Raises StoreError.
+    """Write results.json and results.csv atomically. Raises StoreError.
 
-    lines : of the table, {column: value}; content : of results.json besides them, where they have this name
+    lines : of the table, {column: value}; name : their entry in results.json; content : its other entries
     """
     table = io.StringIO()
     columns = list(dict.fromkeys(column for line in lines for column in line))    # some lines lack the last ones
@@ -86,9 +87,9 @@ def save(folder: Path, content: Mapping[str, Any], lines: Sequence[Mapping[str, 
 
 def publish(folder: Path, title: str, parts: Sequence[str], pictures: Sequence[Path],
             show: Callable[[str], None]) -> None:
-    """Write results.md, show its text, and the paths of all results. Raises StoreError.
+    """Write results.md, and show its text and the paths of all results. Raises StoreError.
 
-    parts : paragraphs and tables; pictures : paths of those that were drawn; show : what the text is given to
+    parts : paragraphs and tables; pictures : paths of drawn pictures; show : function that shows a text
     """
     with failing_as(f"write to {folder}"):
         write_text(folder / "results.md", "\n\n".join([f"# {markdown.line(title)}", *parts]) + "\n")

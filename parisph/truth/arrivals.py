@@ -1,4 +1,4 @@
-"""When a probe first passes a value: the `arrivals` of summary.json."""
+"""The time at which a probe first passes a value: the `arrivals` of summary.json."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from parisph.truth.recorded import Recorded, probe_records
 
 
 def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
-    """Return {probe name: time [s]} of the probes with an `arrival`, None before it is passed. Not collective.
+    """Return {probe name: time [s] or None} of the probes with an `arrival`. Not collective.
 
     The first column of a probe counts. A probe of an array is named "gauges.x1".
     """
@@ -22,7 +22,7 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
 def first_passing(time: Floats, values: Floats, level: float) -> float | None:
     """Return the first time [s] at which a series reaches a level, from either side; None if never.
 
-    time, values : (n,), straight between samples; values that are not finite are left out
+    time, values : (n,), interpolated linearly; values that are not finite are left out
     """
     there = np.isfinite(values)
     time, above = time[there], (values - level)[there]

@@ -14,9 +14,9 @@ from parisph.base.text import named, shown
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded, own_columns
 
-EDGE = 0.99     # of the largest shift that is tried, from which on the best one is at the limit
-APART = 3.0     # standard deviations between the means of run and reference, from which on a note says so
-FEW = 5         # samples, with which no note does
+EDGE = 0.99     # share of the largest shift tried, beyond which the best one is at the limit
+APART = 3.0     # standard deviations between the means of run and reference, beyond which a note says so
+FEW = 5         # largest number of samples without that note
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,10 @@ def text(result: Mapping[str, Any]) -> str:
 
 def _doubts(found: tuple[Floats, Floats], reference: tuple[Floats, Floats], shift: float,
             most: float | None) -> Iterator[str]:
-    """Yield a note if the best shift is at the limit [s] of those that were tried, and one if the means of run and
-    reference differ by more than both vary."""
+    """Yield a note if the best shift is at the limit `most` [s], and one if the means differ by more than both vary."""
     if most and abs(shift) > EDGE * most:
-        yield (f"the best shift is at its limit of {most:g} s: allow more with --best-shift, or see whether time, "
-               "value, scale and offset of the reference are those of the run")
+        yield (f"the best shift is at its limit of {most:g} s: allow more with --best-shift, or check that time, "
+               "value, scale and offset of the reference fit the run")
     at, ours, theirs = norms.on_reference(*found, *reference, shift)
     apart, spread = ours.mean() - theirs.mean(), max(ours.std(), theirs.std())
     if len(at) > FEW and abs(apart) > APART * spread:

@@ -1,6 +1,6 @@
 """The greatest pressures of a run, and how long they last: the `peaks` of summary.json. Not collective.
 
-A pressure that lasts for one value, as when a cavity without air collapses, depends on the step and on chance.
+A peak of one sample, as when a cavity without air collapses, depends on the time step and on chance.
 """
 
 from typing import Any, NamedTuple
@@ -14,20 +14,20 @@ from parisph.case.truths import intervals
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded, own_columns, probe_records
 
-MEAN = 0.005     # [s] of the mean about a peak, about what a sensor and its amplifier resolve
-AROUND = 10      # samples to either side of a peak: the larger of their medians is the level around it
-ABOVE = 1.5      # times that level, below which a peak is no spike
-VALUES = 2       # largest number of values above half of the rise of a spike
+MEAN = 0.005     # [s] over which the mean about a peak is taken, near the resolution of a sensor and its amplifier
+AROUND = 10      # samples on either side of a peak: the larger of their medians is the level around it
+ABOVE = 1.5      # least ratio of a spike to that level
+VALUES = 2       # most values of a spike above half of its rise
 FEW = 3          # steps between samples, beyond which the duration of a peak is not known
-STRAIGHT = 1e-6  # of the greatest value: smallest distance of a value from the line between its neighbours
-MOST = 20        # short peaks that are passed over in the search for one that lasts
+STRAIGHT = 1e-6  # largest distance of a value on the line between its neighbours, over the greatest value
+MOST = 20        # most short peaks in the search for one that lasts
 
 
 class Peak(NamedTuple):
     """A maximum of a series.
 
     value, time [s]; lasts : time [s] above half of its rise over the level around it; mean : over MEAN about it
-    short : whether it is a spike that particles and steps do not resolve
+    short : whether it is a spike, which particles and steps do not resolve
     """
 
     value: float
@@ -40,10 +40,11 @@ class Peak(NamedTuple):
 def greatest(time: Floats, values: Floats, allowed: Flags | None = None, seldom: bool = False) -> list[Peak]:
     """Return the Peak with the greatest value, followed by lower ones until one is not short.
 
-    The mean of the pressure in time is straight between two values (watch.means): samples on that line do not count.
+    Means in time of the pressure are linear between knots (watch.means). Samples on such a line are not values of a
+    spike.
 
-    time, values : (n,), finite ones count; allowed : (n,) bool, which samples may be a peak
-    seldom : whether samples are too far apart (`coarse`): then no peak is short
+    time, values : (n,), finite ones count; allowed : (n,) bool, samples that may be a peak
+    seldom : whether samples are too far apart (`coarse`); no peak is short then
     """
     there = np.isfinite(values)
     time, values = time[there], values[there]
@@ -69,8 +70,8 @@ def greatest(time: Floats, values: Floats, allowed: Flags | None = None, seldom:
 def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe: the greatest Peak as a dict with its unit, and `lasting`, the greatest one that is not short}.
 
-    For taps and, by size, the components of forces, named "load.fx"; probes in arrays as "row.P1". A truth limits the
-    times that count.
+    Probes are taps and components of forces (by size, named "load.fx"); those in arrays are named "row.P1". Only the
+    intervals of a truth count.
     """
     found: dict[str, dict[str, Any]] = {}
     for record in probe_records(case, run, lambda probe: bool(probe.impacts)):
@@ -89,7 +90,7 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
 def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe: {value, unit, time [s]}}: the greatest value in the first column of each probe with peak=True.
 
-    Only the times of its truth count. Probes without a value are left out.
+    Only the intervals of its truth count. Probes without a value are left out.
     """
     found: dict[str, dict[str, Any]] = {}
     for probe in case.probes:
@@ -97,7 +98,7 @@ def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
             continue
         try:
             table, units = run.probe(probe.name), run.units(probe.name)
-        except ParisphError:    # no file: the run has not come so far
+        except ParisphError:    # no file yet
             continue
         column = own_columns(table)[0]
         allowed = _allowed(probe.truth, table["time"])
@@ -109,7 +110,7 @@ def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
 
 
 def coarse(table: Any) -> bool:
-    """Return whether samples are further apart than a sensor or the steps resolve."""
+    """Return whether samples are farther apart than MEAN or FEW steps."""
     if len(table) < 2:
         return False
     return bool(np.median(np.diff(table["time"])) > MEAN or np.median(np.diff(table["step"])) > FEW)
@@ -121,7 +122,7 @@ def _allowed(truth: Any, time: Floats) -> Flags | None:
 
 
 def _bends(time: Floats, values: Floats) -> Flags:
-    """Return which samples (n,) are off the straight line between their neighbours, and both ends."""
+    """Return whether samples are off the line between their neighbours, (n,) bool; True at both ends."""
     share = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], np.finfo(float).tiny)
     line = values[:-2] + share * (values[2:] - values[:-2])
     off = np.abs(values[1:-1] - line) > STRAIGHT * np.abs(values).max(initial=0.0)

@@ -15,12 +15,12 @@ def relative_l2(value: Floats, truth: Floats, rest: float = 0.0) -> float:
     """Return |value - truth| / |truth - rest| in the discrete L2 norm; both (n,), any unit.
 
     Z14 uses it for pressures (Er_p, Sec. 3.1.2) and for elevations above the bed (Er_eta, Sec. 3.2.1).
-    rest : level of the water at rest, in the unit of the series: the error is then relative to the wave itself
+    rest : level of the water at rest, in the unit of the series, for an error relative to the wave alone
     """
     value, truth = _pair(value, truth)
     size = np.linalg.norm(truth - rest)
     if size == 0.0:
-        raise ValueError("the truth is nothing but the level at rest: a relative error has no meaning")
+        raise ValueError("the truth equals the level at rest: there is no relative error")
     return float(np.linalg.norm(value - truth) / size)
 
 
@@ -40,8 +40,8 @@ def z17_elevation(elevation: Floats, truth: Floats) -> float:
 def z14_er(error: Floats, size: float, volume: float) -> float:
     """Return Er of Z14, Sec. 2.2: sqrt(sum (error/size)^2 m/rho), (n,) errors.
 
-    size : amplitude of the exact derivative; volume : m/rho of a particle [m^dim]. It is the rms times the root of the
-    area that is looked at, 0.6 for the paper's window.
+    size : amplitude of the exact derivative; volume : m/rho of a particle [m^dim]. Er is the rms times the root of the
+    area of the particles, 0.6 for the paper's window.
     """
     return float(np.sqrt(np.sum((error / size) ** 2) * volume))
 
@@ -54,7 +54,7 @@ def z14_er_max(error: Floats, size: float) -> float:
 def z17_er(error: Floats) -> float:
     """Return Er of Z17 Eq 33 as printed, of one component: sqrt(sum error^2)/N.
 
-    It is the rms divided once more by sqrt(N): it decreases as 1/sqrt(N) for an error that does not.
+    It is the rms over sqrt(N): for a constant error it decreases as 1/sqrt(N).
     """
     return float(np.linalg.norm(error) / len(error))
 
@@ -72,8 +72,8 @@ def on_reference(time: Floats, value: Floats, reference_time: Floats, reference:
                  shift: float = 0.0) -> tuple[Floats, Floats, Floats]:
     """Return (t, value at t, reference at t), (k,) each, where the two series overlap.
 
-    t are the times of the reference, or those of the run if the reference has fewer than two inside the run (such as a
-    constant given by two distant points). The other series is interpolated linearly.
+    t are the times of the reference, or those of the run if fewer than two of the reference are inside the run (such as
+    a constant given by two distant points). The other series is interpolated linearly.
 
     time, value : (n,) of the run; reference_time, reference : (m,)
     shift : [s], added to the run's time, as for a gate that opens late
@@ -101,8 +101,8 @@ def best_shift(time: Floats, value: Floats, reference_time: Floats, reference: F
                limit: float) -> float:
     """Return the shift [s] of the run's time, at most `limit` in either direction, with the least error.
 
-    All shifts are compared at the samples of the reference that overlap the run under each of them. The minimum is
-    found on a grid of limit/100 and then on finer grids.
+    All shifts are compared at the same samples of the reference: those that overlap the run under every shift. The
+    minimum is found on a grid of limit/100 and then on two finer grids.
     """
     time, value = _series(time, value)
     reference_time, reference = _series(reference_time, reference)
@@ -129,8 +129,7 @@ def judge(time: Floats, value: Floats, reference_time: Floats, reference: Floats
     shift : [s], added to the run's time
     rest : None, or the level at rest of a wave, in the probe's unit
 
-    Returns:
-    dict: relative_l2 (relative to the wave if `rest` is given), z14 (relative to all, with the level at rest), samples,
+    Returns a dict: relative_l2 (relative to the wave if `rest` is given), z14 (relative to the whole truth), samples,
     start and end [s] of the compared window.
     """
     t, found, truth = on_reference(time, value, reference_time, reference, shift)
@@ -155,7 +154,7 @@ def cut(time: Floats, value: Floats, window: tuple[float, float]) -> tuple[Float
 
 
 def evenly(time: Floats, value: Floats) -> tuple[Floats, Floats]:
-    """Return a series (n,) at even times from its first to its last (m,), with about its median step [s]."""
+    """Return a series (n,) at equal steps from its first to its last time (m,), with about its median step [s]."""
     time, value = _series(time, value)
     count = min(round((time[-1] - time[0]) / float(np.median(np.diff(time)))), MOST_SAMPLES)
     t = np.linspace(time[0], time[-1], max(count, 1) + 1)
@@ -163,10 +162,7 @@ def evenly(time: Floats, value: Floats) -> tuple[Floats, Floats]:
 
 
 def moving_mean(time: Floats, value: Floats, width: float) -> Floats:
-    """Return the mean (n,) of a series over a width [s] about each of its times, by integrals over time.
-
-    At the ends of the series the mean is over what is there.
-    """
+    """Return the mean (n,) of a series over a width [s] about each of its times, or over its part inside the series."""
     t, p = _series(time, value)
     low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
     mean: Floats = (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
@@ -174,7 +170,7 @@ def moving_mean(time: Floats, value: Floats, width: float) -> Floats:
 
 
 def _within(time: Floats, other: Floats) -> Flags:
-    """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
+    """Return whether times (n,) are inside the span of others (m,), (n,) bool."""
     inside: Flags = (time >= other[0]) & (time <= other[-1])
     return inside
 
@@ -194,7 +190,7 @@ def _pair(value: Floats, truth: Floats) -> tuple[Floats, Floats]:
     if value.shape != truth.shape or value.ndim != 1:
         raise ValueError(f"value and truth must be series of one length, got shapes {value.shape} and {truth.shape}")
     if len(value) == 0 or not (np.all(np.isfinite(value)) and np.all(np.isfinite(truth))):
-        raise ValueError("a series is empty or holds values that are not numbers")
+        raise ValueError("a series is empty or has values that are not numbers")
     return value, truth
 
 

@@ -1,4 +1,4 @@
-"""What has passed the lines of a run's `Flux` probes: the `passed` of summary.json. Not collective."""
+"""The volumes that have passed the lines of a run's `Flux` probes: the `passed` of summary.json. Not collective."""
 
 from typing import Any
 
@@ -21,9 +21,10 @@ def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
 
 
 def events(time: Floats, total: Floats, pause: float) -> list[dict[str, float]]:
-    """Return [{"start", "end" [s], "volume" [m2]}] of the events in which a volume passes. Their sum is its change.
+    """Return [{"start", "end" [s], "volume" [m2]}] of the events in which water passes.
 
-    An event lasts from the last sample before water passes to the first one that is followed by a pause.
+    An event lasts from the last sample before water passes to the first one before a pause. The sum of the volumes is
+    the change of `total`.
 
     time, total : (n,) [s], [m2]; pause : [s]
     """

@@ -31,15 +31,14 @@ def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
 def errors(probe: ProbeArray, truth: Profiles, run: Recorded) -> dict[str, Any]:
     """Return the errors against all profiles of a truth together and against each, without a shift of time.
 
-    Returns:
-    dict: relative_l2 of all points; points; start, end [s]; mean and rms of run - reference [m]; profiles : the same
-    of each, with its time [s]
+    Returns a dict: relative_l2 of all points; points; start, end [s]; mean and rms of run - reference [m]; profiles :
+    list of the same for each, with its time [s].
 
     Raises ValueError if the run has reached none of the profiles.
     """
     found = pairs(probe, truth, run)
     if not found:
-        raise ValueError("the run has reached the time of none of the profiles")
+        raise ValueError("the run has reached none of the profiles")
     ours, theirs = (np.concatenate([pair[k] for pair in found]) for k in (2, 3))
     return {
         **_distance(truth, ours, theirs), "points": len(ours), "start": found[0][0], "end": found[-1][0],
@@ -50,7 +49,7 @@ def errors(probe: ProbeArray, truth: Profiles, run: Recorded) -> dict[str, Any]:
 def _distance(truth: Profiles, ours: Floats, theirs: Floats) -> dict[str, float]:
     size = float(np.linalg.norm(theirs - (truth.offset if truth.wave else 0.0)))
     if size == 0.0:
-        raise ValueError("the reference is nothing but the level at rest: a relative error has no meaning")
+        raise ValueError("the reference equals the level at rest: there is no relative error")
     apart = ours - theirs
     return {"relative_l2": float(np.linalg.norm(apart)) / size, "mean": float(apart.mean()),
             "rms": float(np.sqrt(np.mean(apart**2)))}

@@ -1,4 +1,4 @@
-"""The probes of a run, as comparisons with a truth read them. io.reader.Run is a Recorded."""
+"""The probes of a run, as they are compared with a truth. io.reader.Run is a Recorded."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -24,15 +24,15 @@ class Recorded(Protocol):
 
 
 def own_columns(table: Array) -> list[str]:
-    """Return the names of the columns of a probe's series but for the time and the step."""
+    """Return the names of the columns of a probe's series, without time and step."""
     return [name for name in table.dtype.names or () if name not in ("time", "step")]
 
 
 class ProbeRecord(NamedTuple):
     """The series of one probe.
 
-    name : in an array as "gauges.x1"; probe : its description
-    table : of its file; columns : of this probe; prefix : of their names in an array
+    name : in an array as "gauges.x1"; probe : its description; table : content of its file
+    columns : names of its columns in the table; prefix : of these in an array
     """
 
     name: str
@@ -42,7 +42,7 @@ class ProbeRecord(NamedTuple):
     prefix: str
 
     def values(self, column: str) -> Floats:
-        """Return a column (samples,). In an array, the column of a probe that has only one is named as the probe."""
+        """Return a column (samples,). In an array, the only column of a probe has the name of the probe."""
         values: Floats = self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
         return values
 

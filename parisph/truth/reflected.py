@@ -22,12 +22,12 @@ from parisph.truth.recorded import Recorded
 from parisph.truth.reflection import separated, spectra, spread
 
 PERIODS = 10       # of a regular wave, at the end of the run, that are analysed
-SETTLED = 3.0      # periods between the arrival of the front at the farthest gauge and the analysis
+SETTLED = 3.0      # periods between the arrival of the waves at the farthest gauge and the analysis
 LONG = 0.75        # largest distance of the chosen gauges, in wave lengths
-MANY = 30          # gauges among which some are chosen
+MANY = 30          # most gauges that are tried in groups
 PAIR, TRIPLE = 2, 3
 SAME_DEPTH = 0.01  # largest relative difference of the depths at a gauge and at the wavemaker
-ENOUGH = 0.02      # of the greatest incident density, below which a band has no coefficient
+ENOUGH = 0.02      # least incident density of a band with a coefficient, over the greatest
 
 
 def of_case(case: Case, run: Recorded) -> dict[str, Any] | None:
@@ -44,17 +44,16 @@ def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, per
              depth: float | None = None, start: float | None = None, end: float | None = None) -> dict[str, Any]:
     """Return incident and reflected waves as {entry: value}.
 
-    probes : names of two gauges or more, in arrays as "gauges.x1"; default the two or three that separate best
-    period : of regular waves [s]; default that of the wavemaker; without a regular one the waves are irregular
+    probes : names of two or more gauges, in arrays as "gauges.x1"; default the two or three that separate best
+    period : of regular waves [s]; default that of the wavemaker. Without a period the waves are irregular
     depth : at the gauges [m]; default that of the wavemaker, or of the water at the start
-    start, end : of the analysis [s]; default for regular waves at most the last ten periods, for irregular ones all
-        after their arrival at the farthest gauge
+    start, end : of the analysis [s]; default the last whole periods of regular waves, at most ten, and all times of
+        irregular ones after their arrival at the farthest gauge
 
-    Returns:
-    probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; regular; incident, reflected :
-    heights [m], significant ones of irregular waves; coefficient, residual : relative. Waves towards +x are incident,
-    unless the wavemaker faces -x. bands of irregular waves: frequency [Hz], incident, reflected [m2/Hz] and
-    coefficient, None where the gauges do not separate.
+    Returns probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; whether they are regular;
+    heights `incident` and `reflected` [m], significant heights of irregular waves; coefficient and residual, relative.
+    Waves towards +x are incident, unless the wavemaker faces -x. bands of irregular waves have frequency [Hz],
+    incident, reflected [m2/Hz] and coefficient, None where the gauges do not separate.
 
     Raises CaseError for gauges or times that cannot be used.
     """
@@ -133,7 +132,7 @@ def _known(value: float) -> float | None:
 
 
 def _makers(case: Case) -> list[tuple[Any, float]]:
-    """Return (wave, x of what makes it [m]) of all wavemakers whose waves have a period."""
+    """Return (wave, x of its wavemaker [m]) of all wavemakers whose waves have a period."""
     found: list[tuple[Any, float]] = [(body.wave, body.place) for body in case.bodies
                                       if isinstance(body, (Piston, Flap))]
     found += [(zone.wave, zone.end) for zone in case.zones if isinstance(zone, Relaxation)]
@@ -150,7 +149,7 @@ def _gauges(case: Case, depth: float) -> dict[str, Gauge]:
         found.sort(key=lambda one: abs(one[1].at - start))
         beds = columns.beds(mesh.corners(), np.array([probe.at for _, probe in found]), np.inf)
         wrong = np.abs(float(case.fluid_bounds[1][-1]) - beds - depth) > SAME_DEPTH * depth
-        found = found[:int(np.argmax(wrong)) if wrong.any() else None]    # behind a bar are other waves
+        found = found[:int(np.argmax(wrong)) if wrong.any() else None]    # behind a bar the waves differ
     return dict(sorted(found, key=lambda one: one[1].at))
 
 
@@ -173,15 +172,15 @@ def _chosen(case: Case, k: float | None, depth: float) -> list[str]:
 
 
 def _series(run: Recorded, names: Sequence[str]) -> tuple[Floats, Floats]:
-    """Return the times (n,) of the first gauge and the elevations of all then (gauges, n)."""
+    """Return the times (n,) of the first gauge, and the elevations of all gauges at these times (gauges, n)."""
     found: list[tuple[Floats, Floats]] = []
     for name in names:
         probe, _, inner = name.partition(".") if name not in run.probe_names else (name, "", "")
         table = run.probe(probe)
         found.append((table["time"], table[inner or "y"]))
         if not np.isfinite(found[-1][1]).all():
-            raise CaseError(f"the gauge {name} has no value at some times, as where there was no water: give others "
-                            "with --probes")
+            raise CaseError(f"the gauge {name} has no value at some times, without water there: give others with "
+                            "--probes")
     time = found[0][0]
     if not len(time):
         raise CaseError(f"the gauge {names[0]} has no samples")
@@ -190,7 +189,7 @@ def _series(run: Recorded, names: Sequence[str]) -> tuple[Floats, Floats]:
 
 def _window(case: Case, places: Sequence[float], time: Floats, period: float | None, k: float | None, depth: float,
             asked: tuple[float | None, float | None]) -> tuple[float, float]:
-    """Return start and end [s] of what is looked at."""
+    """Return start and end [s] of the analysis."""
     start, end = asked
     end = float(time[-1]) if end is None else end
     if start is None:
@@ -207,7 +206,7 @@ def _window(case: Case, places: Sequence[float], time: Floats, period: float | N
                                 f"samples end at {end:.4g} s, less than a period later: run longer, or give --from")
             start = end - whole * period
     if not start < end:
-        raise CaseError(f"from {start:.4g} to {end:.4g} s: there is no time between them; the samples end at "
+        raise CaseError(f"from {start:.4g} to {end:.4g} s: the end must be after the start; the samples end at "
                         f"{time[-1]:.4g} s")
     return start, end
 
@@ -231,7 +230,7 @@ def _gravity(case: Case) -> float:
 
 
 def _wave_number(made: Any, period: float, depth: float, g: float) -> float:
-    """Return that of the wave as it is made, or that of linear theory [1/m]."""
+    """Return the wave number [1/m] of the wave that is made, else that of linear theory."""
     if made is not None and hasattr(made, "k") and made.period == period and made.depth == depth:
         return float(made.k)
     return float(wave_number(2.0 * np.pi / period, depth, g))

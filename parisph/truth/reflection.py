@@ -11,18 +11,18 @@ import numpy as np
 from parisph.base.arrays import Array, Floats
 from parisph.case.waves.linear import wave_number
 
-SPREAD = 1e-3    # smallest ratio of the singular values of the equations; 0 for gauges whole half waves apart
+SPREAD = 1e-3    # least ratio of the singular values of the equations; it is 0 for gauges whole half waves apart
 SPREAD_OF_MANY = 0.15    # the same for each frequency of irregular waves; errors grow with its inverse
-TAPER = 0.1      # of a record, at each end
-WITHIN = (0.5, 2.0)    # of the frequency of the peak, where nearly all energy is
-BANDS = 12       # of equal width within that
-HARMONICS = 2    # of a regular wave that are fitted
+TAPER = 0.1      # share of a record that is tapered at each end
+WITHIN = (0.5, 2.0)    # range over the frequency of the peak, with nearly all energy
+BANDS = 12       # number of bands of equal width in it
+HARMONICS = 2    # number of harmonics that are fitted to a regular wave
 
 
 class Waves(NamedTuple):
     """Amplitudes of a regular wave towards +x and of one towards -x, in the unit of the elevation.
 
-    residual : what is left of the amplitudes at the gauges, relative to them (root mean square)
+    residual : root mean square of the unexplained amplitudes at the gauges, relative to the amplitudes
     """
 
     incident: float
@@ -38,11 +38,10 @@ class Waves(NamedTuple):
 def separated(times: Floats, elevations: Floats, places: Sequence[float], period: float, k: float) -> Waves:
     """Return the Waves of a period [s] and a wave number k [1/m].
 
-    The first harmonic at each gauge is found by least squares, beside the mean, a linear trend and the further
-    harmonics; with b_j its complex amplitude at x_j, sum |a exp(-i k x_j) + r exp(i k x_j) - b_j|^2 is least.
+    Least squares give the first harmonic at each gauge, together with the mean, a linear trend and further harmonics.
+    With its complex amplitude b_j at x_j, the waves minimise sum |a exp(-i k x_j) + r exp(i k x_j) - b_j|^2.
 
-    times : (n,) [s], over whole periods at best
-    elevations : (gauges, n), of any level
+    times : (n,) [s], best over whole periods; elevations : (gauges, n), of any level
     places : x of the gauges [m]; not all whole half waves apart from each other
 
     Raises ValueError if the gauges, or less than a period of time, cannot tell the two waves apart.
@@ -72,7 +71,7 @@ class Spectra(NamedTuple):
 
     frequencies : (n,) middles of the bands [Hz]
     incident, reflected : (n,) densities [m2/Hz]; nan in a band in which the gauges cannot tell them apart
-    residual : what is left of the amplitudes at the gauges, relative to them (root mean square)
+    residual : as of Waves
     """
 
     frequencies: Floats
@@ -89,12 +88,12 @@ class Spectra(NamedTuple):
 
 
 def spectra(times: Floats, elevations: Floats, places: Sequence[float], depth: float, g: float = 9.81) -> Spectra:
-    """Return the Spectra of irregular waves, each of whose components has the wave number of linear theory.
+    """Return the Spectra of irregular waves whose components have the wave numbers of linear theory.
 
-    As `separated`, for each frequency of the records. Densities are means over bands from half the frequency of the
-    peak to twice that. Records begin and end over a tenth of their length, so that they are periodic.
+    Waves are separated for each frequency as in `separated`. Densities are means over bands, from half to twice the
+    frequency of the peak. Records are tapered over a tenth of their length at each end, so that they are periodic.
 
-    times : (n,) [s], in any steps; elevations : (gauges, n), of any level; depth [m]; g [m/s2]
+    times : (n,) [s], any steps; elevations : (gauges, n), of any level; depth [m]; g [m/s2]
 
     Raises ValueError if the gauges cannot tell the waves apart at the peak, or the records are too short.
     """
@@ -105,7 +104,7 @@ def spectra(times: Floats, elevations: Floats, places: Sequence[float], depth: f
     rows = rows - np.array([np.polyval(np.polyfit(even, row, 1), even) for row in rows])
     ends = np.clip(np.minimum(even - even[0], even[-1] - even) / (TAPER * lasts), 0.0, 1.0)
     taper = np.sin(0.5 * np.pi * ends) ** 2
-    # eta = Re(b exp(i omega t)), with the energy of the record before the taper
+    # eta = Re(b exp(i omega t)), scaled to the energy without the taper
     b = 2.0 / len(even) * np.fft.rfft(rows * taper, axis=1) / np.sqrt((taper**2).mean())
     frequencies = np.arange(b.shape[1]) / (lasts * len(even) / (len(even) - 1.0))
     power = np.convolve((np.abs(b) ** 2).mean(axis=0), np.ones(5) / 5.0, "same")
@@ -135,11 +134,11 @@ def spectra(times: Floats, elevations: Floats, places: Sequence[float], depth: f
 
 
 def spread(places: Sequence[float] | Floats, k: float) -> float:
-    """Return how well gauges at `places` [m] tell two waves of wave number k [1/m] apart: from 0, not at all, to 1."""
+    """Return how well gauges at `places` [m] separate two waves of wave number k [1/m], 0 (not at all) to 1."""
     x = np.asarray(places, float)
     if len(x) < 2:
         return 0.0
-    # the singular values of the equations are the roots of n +- |sum exp(2ikx)|
+    # the singular values of the equations are the square roots of n +- |sum exp(2ikx)|
     alike = float(abs(np.exp(2j * k * x).sum())) / len(x)
     return float(np.sqrt(max(1.0 - alike, 0.0) / (1.0 + alike)))
 

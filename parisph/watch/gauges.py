@@ -1,4 +1,4 @@
-"""Bodies of water in columns and along lines, as gauges and fronts need them of all ranks."""
+"""Bodies of water in columns and along lines on all ranks, for gauges and fronts."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from parisph.watch.sampling import View
 
 # Lengths in spacings.
 COLUMN = 1.5        # half the width of the column of water at a gauge
-GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
-STRETCH = 1.25      # more than that above a particle inside the fluid: under the crest of a steep wave they lie apart
-COLUMN_GAP = 2.1    # air in a column: falling water stretches, in the dam break to 1.6, beside a wall to 2.2
-BED = 2.0           # water on the bed is as near to it as this
-BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
+GAUGE_GAP = 1.5     # longest distance of particles in a column without air between them, for a gauge
+STRETCH = 1.25      # added above a particle inside the fluid: they are farther apart below the crest of a steep wave
+COLUMN_GAP = 2.1    # the same for a column: falling water stretches, in the dam break to 1.6, beside a wall to 2.2
+BED = 2.0           # height above the bed, up to which water is on it
+BED_GAP = 2.1       # longest distance of water from the bed, and of its particles along it: the reach of gradients
 
 ROUNDING = 1.0 + 1e-9
 
@@ -21,11 +21,11 @@ ROUNDING = 1.0 + 1e-9
 def bodies(z: Floats, gap: float, counts: Floats | None = None, ends: Floats | None = None) -> Floats:
     """Return the connected bodies (n, 3) along a line: lower end [m], upper end [m], particles; in order.
 
-    Neighbours along the line belong to one body unless they are farther apart than `gap` [m].
+    Neighbours along the line belong to one body unless they are farther apart than `gap` [m]. Each rank finds the
+    bodies of its own particles; joined, they are the bodies of all particles.
 
     z : (n,) positions of particles, or lower ends of bodies, in any order [m]
-    counts, ends : (n,), of bodies found before (each rank finds the bodies of its own particles;
-        joining these gives the bodies of all particles)
+    counts, ends : (n,) particles and upper ends [m] if bodies are joined
     """
     order = np.argsort(z)
     z = z[order]
@@ -41,11 +41,11 @@ def bodies(z: Floats, gap: float, counts: Floats | None = None, ends: Floats | N
 def column_rows(view: View, at: float, gap: float, beside: float = -1.0) -> Floats:
     """Return rows (n, 4) of this rank's bodies of water in the column at x = `at`, as kernels.water_columns.
 
-    Above a particle inside the fluid is water: there a body may have gaps that are longer by STRETCH. Water below a
-    floor, such as an obstacle that does not stand on the bed, is no part of the water on it.
+    Gaps above a particle inside the fluid may be longer by STRETCH. Water below a floor, such as an obstacle above the
+    bed, is separate from the water on it.
 
-    gap : air that ends a body; beside : to either side of `at`, within which surface particles serve, too; negative for
-        none; both in spacings
+    gap : longest distance of particles of a body; beside : distance from `at` within which surface particles count too,
+        negative for none; both in spacings
     """
     from parisph.kernels import water_columns
 
@@ -56,9 +56,9 @@ def column_rows(view: View, at: float, gap: float, beside: float = -1.0) -> Floa
 
 
 def top(rows: Floats, view: View, at: float, gap: float) -> tuple[float, bool]:
-    """Return the height of the water on the highest floor on which some stands [m], and whether there is any.
+    """Return the height of the water on the highest wet floor [m], and whether there is water.
 
-    That is the lowest floor where all are dry. Without walls it is the top of the largest body, nan without one.
+    If all floors are dry, it is the height of the lowest. Without walls it is the top of the largest body, else nan.
 
     rows : of all ranks, from `column_rows` with the same x `at` [m] and gap [spacings]
     """
@@ -74,14 +74,14 @@ def top(rows: Floats, view: View, at: float, gap: float) -> tuple[float, bool]:
 
 
 def body_rows(found: Floats) -> Floats:
-    """Return bodies (n, 3) of this rank as rows for all."""
+    """Return bodies (n, 3) of this rank as rows (n, WIDTH) for all ranks."""
     rows = np.empty((len(found), WIDTH))
     rows[:, 0], rows[:, 1:] = BODY, found
     return rows
 
 
 def bodies_of_all(rows: Floats, gap: float) -> Floats:
-    """Return the bodies (n, 3) that those of all ranks are together."""
-    if len(rows) < 2:    # as for most gauges in most steps
+    """Return the bodies (n, 3) of all ranks from their rows, joined."""
+    if len(rows) < 2:    # most gauges in most steps
         return rows[:, 1:]
     return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])

@@ -1,7 +1,7 @@
-"""The probes of a run, on particles that are distributed over ranks, with two messages for all probes.
+"""The probes of a run, on particles that are distributed over ranks.
 
 Call `samplers = build(case, comm)` once, then `sample_all(samplers, particles, domain, time)` for each sample. One
-Allreduce adds the sums of all probes, and one Allgatherv collects their rows, for any number of probes.
+Allreduce adds the sums of all probes, and one Allgatherv collects their rows.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from parisph.watch.sampling import ProbeScene, Sampler, View
 def build(case: Case, comm: Communicator) -> list[Sampler]:
     """Return the samplers of the case's probes, in their order. Collective.
 
-    Raises CaseError on every rank: a probe for 2D only in a case in three dimensions.
+    Raises CaseError on every rank: a probe for 2D in a case in 3D.
     """
     error, samplers = None, []
     try:
@@ -37,13 +37,12 @@ def build(case: Case, comm: Communicator) -> list[Sampler]:
 
 def sample_all(samplers: Sequence[Sampler], particles: Particles, domain: Domain,
                time: float, passages: Passages | None = None) -> dict[str, tuple[float, ...]]:
-    """Return {name of the probe: tuple of floats, in the order of its `columns`}. Collective.
+    """Return {name of the probe: tuple of floats, in the order of its `columns`}, the same on all ranks. Collective.
 
-    Every rank gets the same values. Positions of ghosts are updated if a sampler needs them; nothing
-    else changes. `domain` must have been refreshed since particles were assigned. A probe that finds
-    nothing to measure gives nan.
+    Fields of ghosts that a sampler needs are updated; nothing else changes. `domain` must have been refreshed since
+    particles were assigned. A probe without anything to measure gives nan.
 
-    time : of the particles [s]; passages : what has passed lines, in a run
+    time : of the particles [s]; passages : volumes that have passed lines, in a run
     """
     if not samplers:
         return {}
@@ -65,7 +64,7 @@ def _together(comm: MPI.Comm, sums: Sequence[Floats], rows: Sequence[Floats]) ->
     table = np.concatenate([np.column_stack([np.full(len(own), number, float), own])
                             for number, own in enumerate(rows)])
     ends = np.cumsum([len(own) for own in sums])
-    # how many rows each rank has travels with the sums
+    # the sums are followed by the number of rows of each rank
     packed = np.concatenate([*sums, np.zeros(comm.size)])
     packed[ends[-1] + comm.rank] = len(table)
     comm.Allreduce(MPI.IN_PLACE, packed, op=MPI.SUM)

@@ -1,4 +1,4 @@
-"""Water that passes lines, counted particle by particle in every step (2D)."""
+"""The volume of water that passes lines, from the path of each particle in every step (2D)."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -18,11 +18,10 @@ if TYPE_CHECKING:    # a case is described without MPI and numba
 class Passages:
     """The volume that has passed each line of a scene since its start.
 
-    A particle passes a line when its way from the start to the end of a step crosses it, whatever moves the particle.
-    So the sum is the volume on the other side, without any error that grows.
+    A particle passes a line if its path from the start to the end of a step crosses it, whatever moves the particle. So
+    errors do not accumulate: the sum is the volume on the other side.
 
-    case : whose probes with a `line` count, those in arrays too
-    state : of an earlier part of the run (`state`)
+    case : probes with a `line` count, also in arrays; state : volumes of an earlier part of the run
     """
 
     def __init__(self, case: Case, comm: Communicator, state: Mapping[str, float] | None = None) -> None:
@@ -32,7 +31,7 @@ class Passages:
         self._counted = {key: float(before.get(key, 0.0)) for key in self._lines}
 
     def look(self, particles: "Particles") -> None:
-        """Count what has passed in the last step. Not collective."""
+        """Add the volumes that have passed in the last step. Not collective."""
         if not self._lines:
             return
         fluid = particles.kind == FLUID
@@ -42,7 +41,7 @@ class Passages:
             self._counted[key] += passed(line, before, after, volume)
 
     def mine(self, probe: Probe) -> float:
-        """Return what this rank has counted at a line [m2]; the sum over the ranks has passed. Not collective."""
+        """Return the volume that has passed a line on this rank [m2]; add up those of all ranks. Not collective."""
         return self._counted[_key(probe)]
 
     def state(self) -> dict[str, float]:
@@ -61,7 +60,7 @@ def passed(line: Floats, before: Floats, after: Floats, volume: Floats) -> float
     """
     start, along = line[0], line[1] - line[0]
     first, last = (along[0] * (x[:, 1] - start[1]) - along[1] * (x[:, 0] - start[0]) for x in (before, after))
-    own = np.flatnonzero((first >= 0.0) != (last >= 0.0))    # a place on the line is on its left: nothing counts twice
+    own = np.flatnonzero((first >= 0.0) != (last >= 0.0))    # a place on the line belongs to its left: counted once
     first, last = first[own], last[own]
     crossing = before[own] + (first / (first - last))[:, None] * (after[own] - before[own])
     share = (crossing - start) @ along / (along @ along)

@@ -1,4 +1,4 @@
-"""The fit of velocity and pressure at points inside the fluid."""
+"""Velocity and pressure at points inside the fluid, by least squares."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from parisph.base.fields import INNER, SURFACE, WET
 from parisph.case.probes import Probe
 from parisph.watch.sampling import ProbeScene, View
 
-REACH = 2.6    # spacings within which neighbours serve a point
+REACH = 2.6    # radius of the neighbours of a point, in spacings
 
 
 class AtPoints(Probe):
     """Velocity and pressure at points, by least squares of a quadratic polynomial.
 
-    The weight is (1 - r^2/radius^2)^2, the radius REACH spacings. Walls count with their own velocity, as far as they
-    are wet. Where particles do not determine the polynomial, the value is nan.
+    The weight is (1 - r^2/radius^2)^2 within REACH spacings. Wet wall particles count with their own velocity. If the
+    neighbours do not determine the polynomial, the value is nan.
     """
 
     columns = {"u": "m/s", "v": "m/s", "p": "Pa"}

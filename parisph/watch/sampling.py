@@ -1,7 +1,7 @@
-"""What probes see of a scene and of this rank's particles, and what measures them in a run.
+"""The data of a scene and of this rank's particles for probes, and the samplers of a run.
 
 Each rank reduces its own particles to sums and a few rows of numbers (the ends of its bodies of water, the surface
-particles at a gauge); instruments.sample_all brings those of all ranks together.
+particles at a gauge). instruments.sample_all combines those of all ranks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,8 +35,8 @@ class ProbeScene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of the tank, or of the
     fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
-    constant in the tank's frame; now : the walls and where they are, None without walls; sides : x of both sides of the
-    first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
+    constant in the tank's frame; now : the walls at any time, None without walls; sides : x of both sides of the first
+    tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
     dim: int
@@ -63,9 +63,9 @@ class ProbeScene:
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
     def bed_at(self, x: Floats, time: float = 0.0) -> Floats | None:
-        """Return the height (n,) [m] of the highest wall at x (n,) with fluid above it, or None without walls.
+        """Return the height (n,) [m] of the highest wall at x (n,) with fluid above it, None without walls.
 
-        Where there is none, as beyond the end of a bed, it is the lowest place of the scene.
+        Where there is none, as beyond the end of a bed, it is that of the lowest wall.
         """
         return None if self.now is None else self.now.bed(x, time)
 
@@ -74,7 +74,7 @@ class ProbeScene:
         return np.empty(0) if self.now is None else self.now.floors(at, time)
 
     def sides_at(self, time: float) -> tuple[float, ...]:
-        """Return x of the upright sides of the first tank [m]."""
+        """Return x of the vertical sides of the first tank [m], () without one or if they turn."""
         if self.now is None or not self.sides or not self.now.moving:
             return self.sides
         tank = next(name for name, kind in self.kinds.items() if kind == "tank")
@@ -86,9 +86,9 @@ class ProbeScene:
 
 
 class View:
-    """This rank's particles in the forms that probes need, each computed at most once, and their scene.
+    """This rank's particles and their scene; derived arrays are computed at most once.
 
-    time : of the particles [s]; passages : what has passed lines in a run, None outside of one
+    time : of the particles [s]; passages : volumes that have passed lines, None outside a run
     """
 
     def __init__(self, particles: "Particles", domain: "Domain", scene: ProbeScene, time: float,
@@ -97,7 +97,7 @@ class View:
 
     @cached_property
     def fluid(self) -> Flags:
-        """Bool (n_owned,)."""
+        """Whether particles are fluid, (n_owned,) bool."""
         found: Flags = self.particles.kind == FLUID
         return found
 
@@ -107,15 +107,15 @@ class View:
         return self.places(self.fluid & (self.particles.role != BALLISTIC))
 
     def places(self, chosen: Flags) -> Floats:
-        """Return the positions (n, dim) [m] of some of the particles here (n_owned,)."""
-        return self.particles.x.compress(chosen, axis=0)    # a fifth of the time that an index takes
+        """Return the positions (n, dim) [m] of the chosen particles, (n_owned,) bool."""
+        return self.particles.x.compress(chosen, axis=0)    # five times faster than an index
 
     @cached_property
     def walls(self) -> tuple[Floats, Floats]:
-        """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles; dry ones have none.
+        """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles, 0 for dry ones.
 
-        Those on convex edges are left out, and dry ones with water beside them but no room for any in front
-        (WallElements.without_room): they carry no row, and so no pressure.
+        Those on convex edges are left out, and dry ones beside water without room in front of them
+        (WallElements.without_room): they have no row, and so no pressure.
         """
         p, wall = self.particles, self._wall
         return p.x.take(wall, axis=0), np.where(p.role.take(wall) == DRY, 0.0, p.p.take(wall))
@@ -135,14 +135,13 @@ class Sampler:
     """One probe of a run, or an array of them, with the columns of all.
 
     columns : {name: unit}; ghosts : fields of the ghosts that must be up to date
-    measure : what gives its values
-    of_pressure : whether its values are those of the pressure alone, and so of the time for which that was solved; they
-        are linear in it, and means in time in a run (watch.means)
-    acted : names of columns with the pressure that acts in a step, also where others are means in time: all columns
-        once more
-    members : the samplers of which its columns are: itself, but for an array
+    measure : computes its values
+    of_pressure : whether its values are linear in the pressure alone. They belong to the time for which it was solved,
+        and are means in time in a run (watch.means)
+    acted : names of the second set of columns, with the pressures that act in a step, which are not means in time
+    members : the samplers of an array, else itself
 
-    Raises CaseError for a probe that does not exist in as many dimensions as the scene has, or whose place does not.
+    Raises CaseError if the probe, or its place, does not exist in the dimensions of the scene.
     """
 
     def __init__(self, probe: Probe, scene: ProbeScene) -> None:
@@ -171,6 +170,6 @@ class Sampler:
         self.title = "; ".join(f"{member.name}: {member.title}" for member in members)
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        """Return the values of all columns of one probe: at an instant, all are what acts then. Not collective."""
+        """Return the values of all columns of one probe. At an instant, `acted` columns repeat the others."""
         found = tuple(map(float, self.measure.values(sums, rows, view)))
         return found + found if self.acted else found

@@ -1,4 +1,4 @@
-"""The walls of a scene as probes see them: where they are at a time (2D)."""
+"""The walls of a scene at any time, for probes (2D)."""
 
 from collections.abc import Sequence
 
@@ -10,20 +10,20 @@ from parisph.geometry.columns import beds, crossings
 from parisph.geometry.mesh import WallMesh, motions_of
 from parisph.geometry.solid import Wall
 
-BESIDE = 1e-6    # of the width of the walls: so far beside a place its floor is looked for where pieces end
+BESIDE = 1e-6    # distance beside the end of a wall at which its floor is sought, over the width of the walls
 
 
 class WallsNow:
-    """Elements and bodies where they are at a time. Nothing here is collective.
+    """Elements and bodies of the walls at a time. Not collective.
 
-    mesh : of the walls, `geometry.standing.standing` of a case
+    mesh : of the walls; walls : geometry.standing.standing of a case
     """
 
     def __init__(self, mesh: WallMesh, walls: Sequence[Wall]) -> None:
         self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
         self._motions = motions
         self._known: tuple[float, Floats] = (0.0, mesh.corners())
-        self._floors: dict[float, Floats] = {}    # at the same time, by places
+        self._floors: dict[float, Floats] = {}    # at the known time, by place
         moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
         self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
 
@@ -34,7 +34,7 @@ class WallsNow:
 
     def corners(self, time: float) -> Floats:
         """Return the corners (M, 2, 2) [m] of the elements at a time [s]."""
-        if self.moving and time != self._known[0]:    # every gauge asks for them
+        if self.moving and time != self._known[0]:    # computed once for all gauges
             x = self.mesh.x0.copy()
             for motion, own in self._moving:
                 x[own] = motion.placed(x[own], time)
@@ -48,7 +48,7 @@ class WallsNow:
     def floors(self, at: float, time: float) -> Floats:
         """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m].
 
-        Where there is none, as beyond the end of a bed, it is the lowest place of the walls.
+        Where there is none, as beyond the end of a bed, it is that of the lowest wall.
         """
         corners = self.corners(time)
         if at not in self._floors:
@@ -72,5 +72,5 @@ class WallsNow:
         return self._motions[self.mesh.bodies[number].motion]
 
     def upright(self, number: int) -> bool:
-        """Whether what is upright of a body at the start stays so."""
+        """Whether vertical sides of a body stay vertical."""
         return isinstance(self.motion_of(number), (AtRest, Translation))

@@ -268,7 +268,7 @@ def test_plot_lays_the_probes_of_several_runs_over_each_other(folder, capsys):
 def test_plot_says_how_far_from_the_peak_the_picture_is(tmp_path, capsys):
     assert main(["plot", str(written(tmp_path / "run", peak=6)), "--peak", "P2"]) == 0
     said = capsys.readouterr().err
-    assert "no snapshot at the peak of P2, t = 0.6 s: the nearest one is drawn, which is 0.1 s " in said
+    assert "no snapshot at the peak of P2, t = 0.6 s: the nearest one is drawn, 0.1 s " in said
 
 
 @pytest.mark.parametrize("script", ["cat > /dev/null; echo no room >&2; exit 3", "exit 3"])

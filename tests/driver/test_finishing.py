@@ -186,13 +186,13 @@ def test_a_missing_series_is_said(run, capfd):
 @pytest.mark.parametrize("name, damage, says", [
     ("steps.csv", lambda text: text.replace("\n", "\n\0", 5), "steps.csv is damaged"),
     ("probes/energy.csv", lambda text: text.replace("time,step,kinetic", "time,step,cinetic"),
-     "energy.csv is damaged: it is not as it was"),
+     "energy.csv is damaged: it has changed"),
     ("probes/energy.csv", lambda text: text.replace("# run ", "# run f"), "energy.csv is of another run"),
     ("case.json", lambda text: text[:100], "case.json is damaged"),
     ("case.json", lambda text: text.replace('"run": "', '"run": "f'),
      "case.json is damaged: it does not match its digest"),
     ("case.json", lambda text: json.dumps({**json.loads(text), "run": "f", "digest": None}), "is of another run"),
-    ("steps.csv", lambda text: text.replace("0.002,1,", "0.0021,1,"), "steps.csv is damaged: it is not as it was"),
+    ("steps.csv", lambda text: text.replace("0.002,1,", "0.0021,1,"), "steps.csv is damaged: it has changed"),
 ])
 def test_damaged_files_are_named_before_anything_is_touched(run, capfd, name, damage, says):
     (run / name).write_text(damage((run / name).read_text()))

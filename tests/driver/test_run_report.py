@@ -99,7 +99,7 @@ def test_the_page_is_one_file_with_its_pictures(made, text):
     assert "<title>Still &amp; &lt;calm&gt;</title>" in text and "<calm>" not in text
     assert "scene of" in text and "Nobody (1999), &lt;Fig 2&gt;" in text
     peak = open_run(made).peak("tap")
-    assert f"greatest value of tap within the time that is compared: {peak['peak']:.4g} Pa at t = " in text
+    assert f"greatest value of tap within the compared time: {peak['peak']:.4g} Pa at t = " in text
     assert "shift = 0" in text and "tap, late: a sensor of brass" in text and text.count("brass") == 1
     assert "relative to the whole energy" in text and "above that of the fluid at rest" in text
     assert "Errors of others at tap, late, against &lt;a&gt;: others: 0.123." in text
@@ -261,7 +261,7 @@ def test_what_has_left_is_told(left, told):
 def test_a_greatest_value_at_the_end_of_what_is_compared_may_be_no_peak(made):
     about = page.subject(made)
     inside, last = (page._of_peak(about, "tap", 1.0, time) for time in (0.02, 0.02999))
-    assert "within the time" in inside and "no peak" not in inside
+    assert "within the compared time" in inside and "no peak" not in inside
     assert "perhaps no peak" in last
 
 

@@ -133,6 +133,8 @@ def test_parts(make, message):
      r"fluid.shape: reaches 1e.17 m from the origin, at most 1e.09 spacings"),
     ({"walls": Tank(2.0, 2.0, at=(-1e12, 0.0)), "fluid": fluid(shape=Box(1.0, 1.0, (-1e12, 0.0)))},
      "walls: reaches 1e.12 m from the origin"),
+    ({"gravity": (0.0, 0.0), "numerics": numerics(method="SPH")},
+     "numerics.sound_speed: is not set, and without gravity .* set it to 10 times the highest speed"),
     ({"frame": Sway(1.0, 1e9)}, r"frame = sway reaches 1e.09 m/s, must be below 1480, the speed of sound in water"),
     ({"frame": Sway(1e-6, 1e9), "end_time": 1e5}, r"frame: 50 steps in a period of 6.3e-09 s takes steps of 1.3e-10"),
     ({"frame": Tabulated((0, 1, 1e6, 1e8), (0, 1000, 1000, 1000)), "end_time": 1e5},

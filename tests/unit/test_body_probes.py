@@ -127,7 +127,7 @@ def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side,
 @pytest.mark.parametrize("probe, message", [
     (Force("load", on="gate"), "'load': on = 'gate': there is no body of this name; there is 'tank', 'stone'"),
     (Force("load", on="stone", side="left"), "'load': side = 'left': only a tank has sides"),
-    (RunUp("up", on="stone"), "'up': on = 'stone': give the side of it"),
+    (RunUp("up", on="stone"), "'up': on = 'stone': give its side"),
 ])
 def test_what_a_body_does_not_have(probe, message):
     with pytest.raises(CaseError, match=message):

@@ -91,7 +91,7 @@ def test_the_table_the_report_and_the_picture_say_so(run):
     assert {name: peak["short"] for name, peak in summary["peaks"].items()} == {
         "P": True, "row.Q": True, "load.fx": True, "load.fy": False, "pair.side.fx": True, "pair.side.fy": False}
     lines = [line for line in info.table(summary) if line.startswith("peak of")]
-    assert len(lines) == 5 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
+    assert len(lines) == 5 and "Pa at 0.8 s lasts only 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
     assert lines[0].count(" Pa") == 3 and lines[2].count(" N/m") == 3
     assert " N/m at " in lines[2] and lines[4].startswith("peak of load") and lines[4].count(" at ") == 1
     assert [row[0].text for row in events.impacts(summary).rows][:2] == [f"{name} (short: not resolved)"

@@ -163,7 +163,7 @@ def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
 
 @pytest.mark.parametrize("name, content, says", [
     ("case.json", "{", "case.json is damaged: it is not JSON"),
-    ("case.json", "[1]", "case.json is damaged: it holds a list"),
+    ("case.json", "[1]", "case.json is damaged: it contains a list"),
     ("case.json", '{"schema": 99}', "newer parisph"),
     ("case.json", '{"title": "only"}', "case.json is damaged, or is not the case of a run: Case.fluid is missing"),
     ("case.json", "\xff\x00", "case.json is damaged"),
@@ -173,7 +173,7 @@ def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
     ("summary.json", json.dumps(with_digest({"run": "other"})), "summary.json is of another run"),
     ("summary.json", json.dumps(with_digest({"steps": 4})), "summary.json is of another run"),
     ("steps.csv", "", "steps.csv is damaged: it has no columns"),
-    ("steps.csv", "time,step,dt\n0,0\n", "steps.csv is damaged: line 2 does not hold 3 values"),
+    ("steps.csv", "time,step,dt\n0,0\n", "steps.csv is damaged: line 2 does not have 3 values"),
     ("steps.csv", "time,step,dt\n0,0,1\n0.1,1,1\n0.3,3,1\n", "line 4 step 3 at 0.3 s follows step 1"),
     ("steps.csv", "# run other\ntime,step,dt\n", "steps.csv is of another run"),
     ("steps.csv", "time,step,dt\n0,0,1\0\n", "damaged: line 2"),
@@ -203,7 +203,7 @@ def unsealed(text):
 def test_a_series_that_was_changed_after_the_end_is_refused(folder, name):
     path = folder / name
     path.write_text(path.read_text().replace("1.0,2,", "1.1,2,"))
-    with pytest.raises(StoreError, match="is not as it was when the run ended"):
+    with pytest.raises(StoreError, match="has changed since the run ended"):
         open_run(folder).steps, open_run(folder).probe("P2")
     (folder / "summary.json").unlink()    # without it nothing is known
     assert len(open_run(folder).steps) == len(open_run(folder).probe("P2")) == 4

@@ -141,7 +141,7 @@ def test_gauges_and_times_that_do_not_do_are_refused_with_a_remedy():
         with pytest.raises(CaseError, match=why):
             reflected.analysed(flume.case, flume, words)
     for more, why in (({"period": 0.0}, "--period 0: must be greater"), ({"end": 4.0}, "run longer, or give --from"),
-                      ({"depth": -1.0}, "--depth -1: must be greater"), ({"start": 50.0}, "no time between them")):
+                      ({"depth": -1.0}, "--depth -1: must be greater"), ({"start": 50.0}, "end must be after")):
         with pytest.raises(CaseError, match=why):
             reflected.analysed(flume.case, flume, **more)
     far = Flume(flume.wave, probes=[SurfaceGauge("g1.0", at=1.0), SurfaceGauge("g7.9", at=7.9)])

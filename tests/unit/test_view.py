@@ -209,7 +209,7 @@ def test_a_scene_without_tank_and_gravity_has_no_dimensionless_time(tmp_path):
     run = written(tmp_path / "drop", case, water())
     picture = view.plot_field(run)
     assert picture.axes[0].get_title(loc="left") == "Basin\n$t$ = 0.200 s" and not picture.axes[0].lines
-    with pytest.raises(CaseError, match="no constant gravity"):
+    with pytest.raises(CaseError, match="without constant gravity"):
         view.plot_field(run, normalise=True)
 
 

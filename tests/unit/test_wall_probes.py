@@ -111,7 +111,7 @@ def test_a_uniform_pressure_has_no_force_on_a_closed_tank_and_a_gradient_has_arc
     (Force("load", on="gate"), "'load': on = 'gate': there is no body of this name; there is 'tank'"),
     (Force("load", side="lid"), "'load': side = 'lid': the tank has none"),
     (RunUp("up", on="beach", side="left"), "'up': on = 'beach': there is no body"),
-    (RunUp("up", points=[(0.0, 0.0), (0.0, 0.0)]), "'up': points: two that follow each other must be two points"),
+    (RunUp("up", points=[(0.0, 0.0), (0.0, 0.0)]), "'up': points: two neighbouring points are equal"),
     (RunUp("up", points=[(0.0, 0.0), (0.0, 1.0, 2.0)]), r"'up': point = \(0.0, 1.0, 2.0\) must have 2 components"),
     (VelocityPoint("u", at=(0.1, 0.2, 0.3)), r"'u': at = \(0.1, 0.2, 0.3\) must have 2 components"),
 ])
@@ -136,7 +136,7 @@ def test_a_torn_film_is_one_where_its_particles_are_no_farther_apart_than_in_the
 
 
 def test_at_a_vertical_side_there_is_no_film():
-    with pytest.raises(CaseError, match="'up': film = 0.01 m is of no use at a vertical side"):
+    with pytest.raises(CaseError, match="'up': film = 0.01 m has no effect at a vertical side"):
         Watch(scene([RunUp("up", side="left", film=0.01)]))
 
 

@@ -13,9 +13,9 @@ from parisph.watch.sampling import View
 class ColumnHeight(Gauge):
     """Height y [m] of the topmost water connected to the bed at x = `at` [m].
 
-    It is that of the topmost particle of the water that stands on the bed within 1.5 spacings. Surface particles of
-    the lattice lie on the surface: nothing is added to their height. Air of more than 2.1 spacings ends the column;
-    above a particle inside the fluid, of 3.35. A dry bed gives the height of the bed.
+    The topmost particle counts, within 1.5 spacings along x, of the water whose lowest particle is within 2.1 spacings
+    of the bed. Nothing is added to its height, because surface particles of the lattice are on the surface. A gap of
+    more than 2.1 spacings ends the column, above a particle inside the fluid 3.35. A dry bed gives its own height.
 
     >>> ColumnHeight("column", at=0.0).at
     0.0

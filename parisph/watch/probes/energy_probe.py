@@ -12,21 +12,21 @@ from parisph.case.probes import Probe
 from parisph.geometry.mesh import CONCAVE, CONVEX
 from parisph.watch.sampling import ProbeScene, View
 
-CELL = 2.6    # spacings: neighbours that bound the cell of a particle; the lists of every method have them
+CELL = 2.6    # [spacings] distance of neighbours that bound the cell of a particle, in the lists of every method
 
 
 class Energy(Probe):
     """Kinetic and potential energy of the fluid [J/m].
 
-    It is that of all fluid, free flight included, in the tank's frame. Each particle counts with the volume that it
-    represents. With equal masses, particles on the surface, whose cells are half empty, and beside walls would cause an
+    It is that of all fluid, also in free flight, in the tank's frame. Each particle counts with the volume that it
+    represents. Equal masses for particles on the surface, whose cells are half empty, and beside walls would cause an
     error of order s/H: the energy of the falling column would rise by .03 %.
 
     The potential energy is that of a uniform, constant body force, relative to the tank's lower corner (without a
     tank, the lower corner of the initial fluid); it is 0 for any other force.
 
-    current : whether also by the volumes that particles represent now, not only by those at the start, with the sum of
-        these: what a particle represents changes when it comes to a wall or to the surface, or leaves it
+    current : whether to add the energy by the volumes that particles represent now, and the sum of these volumes. They
+        differ from those at the start for a particle that has come to a wall or to the surface, or has left it
 
     >>> Energy("energy", current=True).current
     True
@@ -38,7 +38,7 @@ class Energy(Probe):
     of_potential = ("potential", "total")
 
     kind: Literal["energy"] = Field(default="energy", init=False)
-    current: bool = Field(default=False, description="whether also by the volumes that particles represent now")
+    current: bool = Field(default=False, description="whether to add the energy by the present volumes of particles")
 
     def title(self, scene: Any) -> str:
         return "Energy of the fluid" + ", by the volumes at the start and by those now" * self.current
@@ -81,7 +81,7 @@ def _current_volumes(view: View) -> Floats:
 
 
 def _with_edges(role: Array, nodes: Array, edges: Array) -> Array:
-    """Return roles (n_all,) in which nodes on convex edges, which are always dry, are wet beside a wet node."""
+    """Return roles (n_all,) with nodes on convex edges, which are always dry, made wet beside a wet node."""
     found, there = role.copy(), (nodes >= 0).all(axis=1)
     for end in (0, 1):
         wet = there & (edges[:, end] == CONVEX)

@@ -17,15 +17,15 @@ class Flux(Probe):
     """Water that passes the straight line from `start` to `end` [m]: its rate [m2/s] and the total so far [m2].
 
     Both are positive for water that passes from the left of the line to its right, as seen from `start` to `end`:
-    towards +x, if the line goes upwards. They are per metre of width. The line stands still in the frame of the scene.
+    towards +x, if the line goes upwards. They are per metre of width. The line is fixed in the frame of the scene.
 
-    total : the sum of the volumes of all particles that have passed, less those that have come back. It is exact: water
-        behind a line that closes a basin has gained as much
-    rate : by the velocities of particles within a spacing of the line at that time. Its integral is the total up to
-        what particles are moved to keep their distances even
+    total : the sum of the volumes of all particles that have passed, less those that have come back. It is exact: it
+        equals the gain of a basin that the line closes
+    rate : by the velocities of particles within a spacing of the line at that time. Its integral differs from the total
+        by the displacements that keep the distances of particles even
 
-    pause : time without water passing that ends an event [s]. With it, the summary tells each event with its start, its
-        end and its volume, as of crests that come over a wall; their sum is the total. None for no events
+    pause : time without water passing that ends an event [s]. The summary then has start, end and volume of each event,
+        as for crests over a wall; the sum of the volumes is the total. None for no events
 
     >>> Flux("over", start=(4.0, 0.5), end=(4.0, 1.0), pause=0.3).pause
     0.3
@@ -55,8 +55,8 @@ class Flux(Probe):
             case, "the middle of the line", [middle, self.start, self.end])
 
     def sums(self, view: View) -> tuple[float, ...]:
-        """The rate is the sum of volume times velocity across the line of the fluid beside it, with a hat function of
-        the distance as weight: on a lattice of the spacing these add up to 1 wherever the line lies.
+        """See Probe. The rate is the sum of volume times velocity across the line, weighted by a hat function of the
+        distance. On a lattice of the spacing these weights add up to 1 for any place of the line.
         """
         p, s, along = view.particles, view.scene.spacing, np.subtract(self.end, self.start)
         length = float(np.hypot(*along))

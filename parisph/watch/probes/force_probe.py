@@ -20,35 +20,31 @@ from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.sampling import ProbeScene, View
 from parisph.watch.walls_now import WallsNow
 
-DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
+DRY_BEHIND = "piston", "flap"    # kinds of bodies with a dry side
 
 
 class Force(OfPressure):
-    """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
+    """Force [N/m] of the fluid's pressure on a body, and its anticlockwise moment [N m/m].
 
-    It is the whole pressure, with its hydrostatic part: water at rest presses, too. With `still`, the columns
-    fx_dynamic, fy_dynamic and moment_dynamic come beside it: the same less the force of water at rest up to the height
-    `still`, rho g (still - y) below it and 0 above, on the wall where it is at that time. They are 0 for water at rest.
+    The pressure includes its hydrostatic part. With `still` there are also the columns fx_dynamic, fy_dynamic and
+    moment_dynamic. These are without the force of water at rest up to the height `still`, rho g (still - y) below it
+    and 0 above, on the wall at its place then. They are 0 for water at rest.
 
-    Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
-    with method="SPH", the end.
+    Friction on the body is not included. The time of a sample is that for which its pressure is solved, the middle of a
+    step; with method="SPH", the end.
 
-    It is a mean over the steps around, with weights that fall linearly to 0 at the means before and after. These are a
-    step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)), with the
-    largest speed u and the largest one of the body force, the mean acceleration by pressure and the acceleration of
-    walls as a: particles do not resolve what is shorter. The trapezoidal rule over the samples of all steps gives the
-    impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
-    step.
+    A sample is a mean over neighbouring steps, with weights that decrease linearly to 0 at the means before and after.
+    These are a step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)).
+    Here u is the largest speed, and a the largest of the body force, the mean acceleration by pressure and the
+    acceleration of walls. Particles do not resolve shorter times. The trapezoidal rule over the samples of all steps
+    gives the impulse of the pressure, up to the ends of the run. With method="SPH" a sample is that of one step.
 
-    In an impact the impulse is up to 4 % more than the momentum that the fluid loses: particles of a surface that lands
-    stand for half a cell, and push as a whole one.
+    In an impact the impulse is up to 4 % more than the momentum that the fluid loses: particles of the surface
+    represent half a cell, and push as a whole one.
 
-    on : name of the body
-    side : of a tank; None for all of it
-    about : point of the moment [m]
+    on : name of the body; side : of a tank, None for all of it; about : point of the moment [m]
     still : height y of the still level [m], for the dynamic part
-    acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
-        moment_acted
+    acted : whether to add the force that acts in the step, in the columns fx_acted, fy_acted and moment_acted
 
     >>> Force("load", side="right", about=(1.0, 0.0)).side
     'right'
@@ -85,8 +81,8 @@ class Force(OfPressure):
         if self.still is not None:
             force = None if case.turns else uniform_field(case.gravity)
             if force is None or force[:-1].any() or not force[-1] < 0.0:
-                yield (f"still = {self.still:g}: there is no hydrostatic force where gravity is not constant and "
-                       "straight down; leave it out")
+                yield (f"still = {self.still:g}: there is no hydrostatic force unless gravity is constant and straight "
+                       "down; leave it out")
         missing = list(probe_checks.body(case, self.on))
         yield from missing
         if not missing:
@@ -97,13 +93,13 @@ class Force(OfPressure):
                 yield "side = 'lid': the tank has none; give it one, or choose another side"
 
     def misplaced(self, places: Places) -> Iterator[str]:
-        """See Probe: fluid touches the body, and that side of it."""
+        """See Probe: fluid touches that side of the body."""
         if places.mesh is not None and not len(self.elements(places.mesh)):
             side = "" if self.side is None else f"the {self.side} side of "
             yield f"no fluid touches {side}{self.on}; choose another side or body, or leave the probe out"
 
     def elements(self, mesh: WallMesh) -> Ints:
-        """Return the elements (n, 2) whose pressure it adds up: those of its body, or of one side of it."""
+        """Return the elements (n, 2) of its body, or of one side of it."""
         return on_side(mesh, [body.name for body in mesh.bodies].index(self.on), self.side)
 
     def begin(self, scene: ProbeScene) -> Measure:
@@ -111,7 +107,7 @@ class Force(OfPressure):
 
 
 class BodyForce(Measure):
-    """Load of the pressure on a body where its nodes are now (methods.rigid_bodies.PressureLoad)."""
+    """Load of the pressure on a body with the present places of its nodes (methods.rigid_bodies.PressureLoad)."""
 
     def __init__(self, probe: Force, scene: ProbeScene) -> None:
         self.probe, self.scene, now = probe, scene, scene.now
@@ -140,7 +136,7 @@ class BodyForce(Measure):
         return (*found, *np.subtract(found, rest))
 
     def _behind(self, x: Floats) -> Flags:
-        """Return which nodes x (n, 2) [m] lie behind a wavemaker, on its dry side."""
+        """Return whether nodes x (n, 2) [m] are on the dry side of a wavemaker, (n,) bool."""
         found = np.zeros(len(x), dtype=bool)
         for start, end in self._faces:
             way, off = x[end] - x[start], x - x[start]
@@ -149,9 +145,9 @@ class BodyForce(Measure):
 
 
 def _faces(scene: ProbeScene, now: WallsNow, on: str) -> list[Ints]:
-    """Return the nodes at the first and the last point of the face of each wavemaker but the body `on` itself.
+    """Return the nodes at both ends of the face of each wavemaker except the body `on`.
 
-    Fluid is left of the way from one to the other.
+    Fluid is on the left of the direction from the first to the last.
     """
     mesh, found = now.mesh, []
     for number, body in enumerate(mesh.bodies):

@@ -11,9 +11,7 @@ from parisph.watch.sampling import ProbeScene, View
 
 
 class Momentum(Probe):
-    """Momentum of the fluid.
-
-    It is that of all fluid, in the tank's frame [kg/s per metre of width].
+    """Momentum of all fluid in the tank's frame [kg/s per metre of width].
 
     >>> Momentum("momentum").name
     'momentum'

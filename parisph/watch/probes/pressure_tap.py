@@ -19,27 +19,25 @@ from parisph.geometry.probe_places import Places
 from parisph.geometry.solid import Wall, in_fluid
 from parisph.watch.sampling import ProbeScene, View
 
-RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
-FACING = 1e-6   # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
-TAP = 0.25      # spacings: a tap this near to a wall is on it, as discs have flat elements
-TIE = 1e-6      # spacings: walls nearer to each other than this are at one place
-LIFT = 0.1      # spacings: so far in front of a wall its fluid is looked for
-FACE = 0.5      # spacings: nodes this near to the plane of a tap lie on its face
-DRY = 1e-6      # of the greatest pressure: a tap with no more is dry
+RADIUS = 3.0    # [spacings] radius of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
+FACING = 1e-6   # least cosine between the normals of a tap and a node of its wall; that at a sharp corner is small
+TAP = 0.25      # [spacings] largest distance of a tap from its wall, as discs have flat elements
+TIE = 1e-6      # [spacings] largest distance of walls at one place
+LIFT = 0.1      # [spacings] distance in front of a wall at which its fluid is sought
+FACE = 0.5      # [spacings] largest distance of nodes of the face from the plane of a tap
+DRY = 1e-6      # largest pressure of a dry tap, over the greatest
 
 
 class PressureTap(OfPressure):
-    """Pressure [Pa] on a wall at the point `at` [m]; on a wall that moves, a point of it at rest, which moves with it.
+    """Pressure [Pa] on a wall at the point `at` [m], which is its place at t = 0 and moves with a moving wall.
 
-    It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
-    particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.
+    It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. A single
+    wall particle becomes wet within one step, and would show an impact too late and too abruptly.
 
-    diameter : [m] of a round sensor, over whose disc the pressure is averaged instead: in 2D over a stretch, with
-        the chord of the disc at each place as its weight
+    diameter : [m] of a round sensor, for the mean over its disc instead: in 2D along the wall, weighted by the chords
+        of the disc
     side : of a Plate, as seen along its points
-    acted : whether the pressure that acts in the step comes beside the mean in time, in the column pressure_acted
-
-    On a body that moves, `at` is where the tap is at t = 0; it moves with the body.
+    acted : whether to add the pressure that acts in the step, in the column pressure_acted
 
     A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end. It is a
     mean in time, as of a Force.
@@ -73,14 +71,14 @@ class PressureTap(OfPressure):
         return f"Pressure on the wall at {point(self.at)} m{disc}"
 
     def problems(self, case: Scene) -> Iterator[str]:
-        """See Probe. Whether it lies on a wall is for `misplaced`."""
+        """See Probe. `misplaced` checks whether it is on a wall."""
         if case.walls is None:
             yield "a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
         elif found := list(probe_checks.components(case, at=self.at)):
             yield from found
 
     def misplaced(self, places: Places) -> Iterator[str]:
-        """See Probe: it is on a wall, on the side of it where fluid comes."""
+        """See Probe: it is on the side of a wall that fluid can reach."""
         mesh, walls, s = places.mesh, places.walls, places.spacing
         if mesh is None:
             return
@@ -101,13 +99,13 @@ class PressureTap(OfPressure):
         elif not isinstance(wall, Plate) and self.side is not None:
             yield f"side = {self.side!r}: only a plate has two sides, {name} has one; leave it out"
         elif hidden:
-            yield f"at = {self.at} is behind {hidden[0]}, where no fluid comes; move it"
+            yield f"at = {self.at} is behind {hidden[0]}, which no fluid reaches; move it"
         elif self.diameter is not None and not _on_face(mesh, element, foot[0], normal, 0.5 * self.diameter, s):
             yield (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
                    "move it away from the corner, or give a smaller one")
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
-        """See Probe: the water may leave it."""
+        """See Probe: also "emptied" if the water leaves it."""
         yield from super().touched(values, case, scene)
         if values[0, 0] > 0.0:
             yield "emptied", np.abs(values[0]) <= DRY * np.nanmax(np.abs(values[0]))
@@ -127,20 +125,20 @@ class Tap(Measure):
         self.radius = max(scene.spacing, probe.radius or RADIUS * scene.spacing)
         now = scene.now
         assert now is not None    # the tap is on a wall
-        # the wall of the tap as it is at t = 0: then it and its nodes move with its body
+        # the wall of the tap at t = 0; tap and nodes then move with its body
         element = tap_element(now.mesh, now.walls, probe, scene.spacing)
         normal = unit_normals(now.mesh.corners()[[element]])[0]
         self.axes = np.array([normal, [-normal[1], normal[0]]])
         self.across = np.arange(2) == 0
         motions = np.array([body.motion for body in now.mesh.bodies])
         number = now.mesh.element_body[element]
-        self._alike = np.flatnonzero(motions == motions[number])    # bodies that move as that of the tap does
+        self._alike = np.flatnonzero(motions == motions[number])    # bodies with the motion of that of the tap
         self._motion, self._start = now.motion_of(number), (self.at, self.axes)
 
     def _nodes(self, view: View) -> tuple[Floats, Floats]:
-        """Return positions (n, dim) [m] and pressures (n,) [Pa] of wall particles that may be of the wall of the tap.
+        """Update the place of the tap; return positions (n, dim) [m] and pressures (n,) [Pa] of nodes of its wall.
 
-        The tap is put to where it is now. They face as it does, not as the other side of a plate, and move with it.
+        These are wall particles that move with it and face as it does, unlike the other side of a plate.
         """
         x, p = view.walls
         at, axes = self._start
@@ -152,7 +150,7 @@ class Tap(Measure):
     def sums(self, view: View) -> Floats:
         from parisph.kernels.tap import tap_moments
 
-        x, p = self._nodes(view)    # before `at` is read
+        x, p = self._nodes(view)    # updates `at`
         found: Floats = tap_moments(x, p, self.at, self.axes, self.across, 0.5 * self.scene.step, self.radius)
         return found
 
@@ -163,10 +161,7 @@ class Tap(Measure):
 
 
 class DiscTap(Tap):
-    """Mean of the pressure over the disc of a sensor, whose chords weight the places along the wall (2D).
-
-    Between wall particles the pressure is linear; the integral is exact.
-    """
+    """Mean of the pressure over the disc of a sensor (2D), exact for a linear pressure between wall particles."""
 
     def __init__(self, probe: PressureTap, scene: ProbeScene) -> None:
         super().__init__(probe, scene)
@@ -191,9 +186,9 @@ class DiscTap(Tap):
 
 
 def tap_element(mesh: WallMesh, walls: Sequence[Wall], probe: PressureTap, spacing: float) -> int:
-    """Return the number of the element that a tap is on, as at t = 0.
+    """Return the number of the element of a tap at t = 0.
 
-    At a plate it is one of the given side; where a wall that moves stands at another, it is one of the first.
+    It is on the given side of a plate, and on a moving wall if that is at the same place as another.
     """
     at, corners, allowed = np.array([probe.at]), mesh.corners(), np.ones(len(mesh.elements), dtype=bool)
     for number, wall in enumerate(walls):
@@ -208,7 +203,7 @@ def tap_element(mesh: WallMesh, walls: Sequence[Wall], probe: PressureTap, spaci
 
 
 def _on_left(corners: Floats, points: Floats) -> Flags:
-    """Return which elements (M, 2, 2) of a plate are those of its left side, as seen along its points, (M,) bool."""
+    """Return whether elements (M, 2, 2) of a plate are on its left side, as seen along its points, (M,) bool."""
     piece = nearest(corners.mean(axis=1), np.stack([points[:-1], points[1:]], axis=1))[1]
     along = np.diff(points, axis=0)[piece]
     found: Flags = np.sum((corners[:, 1] - corners[:, 0]) * along, axis=1) > 0.0
@@ -216,13 +211,13 @@ def _on_left(corners: Floats, points: Floats) -> Flags:
 
 
 def _on_face(mesh: WallMesh, element: int, at: Floats, normal: Floats, radius: float, spacing: float) -> bool:
-    """Return whether the wall is as good as flat as far as the radius [m] to both sides of a place on it."""
+    """Return whether the wall is flat, within FACE, up to the radius [m] on both sides of a place on it."""
     corners, along = mesh.corners() - at, np.array([-normal[1], normal[0]])
     motion = np.array([body.motion for body in mesh.bodies])[mesh.element_body]
     own = (np.abs(corners @ normal) < FACE * spacing).all(axis=1) & (area_vectors(corners) @ normal > 0.0)
     ends = np.sort((corners @ along)[own & (motion == motion[element])], axis=1)
     low = high = 0.0
-    for _ in range(len(ends)):    # as far as elements join on
+    for _ in range(len(ends)):    # extend by adjoining elements
         joined = (ends[:, 0] <= high + TIE * spacing) & (ends[:, 1] >= low - TIE * spacing)
         if not joined.any() or (ends[joined, 0].min() >= low and ends[joined, 1].max() <= high):
             break
@@ -233,8 +228,8 @@ def _on_face(mesh: WallMesh, element: int, at: Floats, normal: Floats, radius: f
 def disc_mean(z: Floats, p: Floats, radius: float) -> float:
     """Return the mean of a piecewise linear p over a disc, 2 integral p sqrt(radius^2 - z^2) dz / (pi radius^2).
 
-    z, p : (n,) places along a line from the centre [m], in any order, and values there. Where they do not reach, the
-    disc does not count; nan if it does nowhere.
+    z, p : (n,) places along a line from the centre [m], in any order, and values there. Only the part of the disc
+        between them counts; nan without one
     """
     order = np.argsort(z)
     z, p = z[order], p[order]
@@ -247,6 +242,6 @@ def disc_mean(z: Floats, p: Floats, radius: float) -> float:
 
 
 def _chords(z: Floats, radius: float) -> tuple[Floats, Floats]:
-    """Antiderivatives of sqrt(radius^2 - z^2) and of z times that."""
+    """Return the antiderivatives of sqrt(radius^2 - z^2) and of z sqrt(radius^2 - z^2)."""
     half = np.sqrt(np.maximum(radius**2 - z**2, 0.0))
     return 0.5 * (z * half + radius**2 * np.arcsin(np.clip(z / radius, -1.0, 1.0))), -(half**3) / 3.0

@@ -27,29 +27,29 @@ from parisph.watch.probes.surface_gauge import surface, surface_rows
 from parisph.watch.sampling import ProbeScene, View
 
 # Lengths in spacings.
-TOUCH = 2.0       # water as near to the line as this touches it: a stretched lattice begins up to 1.5 beside a slope
-BESIDE = 4.0      # surface particles that may serve to continue the surface
-ASIDE = 0.1       # the second of two such particles is farther from the line than the first by more than this
-APART = (0.5, 2.6)    # and as far from it
-AHEAD = 1.0       # the surface is continued by this height at most
-STRAIGHT = 1e-9   # sine of the angle between two pieces of a line that are one
-LIFT = 0.1        # so far in front of a wall its fluid is looked for
-FLAT = 1e-9       # of the height of a body: what is no more above or below a node is as high
+TOUCH = 2.0       # distance at which water touches the line: a stretched lattice begins up to 1.5 beside a slope
+BESIDE = 4.0      # distance from the line of surface particles that may continue the surface
+ASIDE = 0.1       # least difference of the distances of two such particles from the line
+APART = (0.5, 2.6)    # range of the distance of these two
+AHEAD = 1.0       # most height by which the surface is continued
+STRAIGHT = 1e-9   # largest sine of the angle between two pieces of a straight line
+LIFT = 0.1        # distance in front of a wall at which its fluid is sought
+FLAT = 1e-9       # largest difference of equal heights, over the height of a body
 
 
 class RunUp(Probe):
     """Height y [m] of the highest point at which water touches a wall, and its x [m].
 
-    The water counts that is connected, along the wall, with the lower end of the wall. At a vertical side of a tank it
-    is the surface's height as of a SurfaceGauge; along a line, the surface is continued straight to the line. The line
-    moves with its body.
+    Only water counts that is connected, along the wall, with the lower end of the wall. At a vertical side of a tank it
+    is the height of a SurfaceGauge; along a line, the surface is continued straight to the line. The line moves with
+    its body.
 
     on : name of the body
     side : of a Tank, an Obstacle or a Plate; or the end of a Profile, to which the line goes from its lowest point. A
         Piston and a Flap need none
-    points : the line itself [m], from below the water upwards, in place of a side, as it is at t = 0
-    film : along a line: thinnest film that counts [m]. In one of thickness h, particles of spacing s are s^2/h apart.
-        None to let water end where they are 2.1 spacings apart, in a film of half a spacing, and to leave out spray
+    points : the line itself at t = 0 [m], from below the water upwards, in place of a side
+    film : along a line, thickness of the thinnest film that counts [m]. In a film of thickness h, particles of spacing
+        s are s^2/h apart. None for half a spacing, at which particles are 2.1 spacings apart, without spray
 
     >>> RunUp("wall", side="right").on
     'tank'
@@ -88,7 +88,7 @@ class RunUp(Probe):
             if wrong:
                 return
             if any(one == other for one, other in zip(self.points, self.points[1:])):
-                yield "points: two that follow each other must be two points"
+                yield "points: two neighbouring points are equal; leave one out"
             else:
                 yield from probe_checks.inside(case, "points", self.points)
             if self.on != "tank":
@@ -102,15 +102,15 @@ class RunUp(Probe):
     def _wrong_side(self, kind: str, rolls: bool) -> Iterator[str]:
         one_sided = kind in ("piston", "flap")
         if self.side is None and not one_sided:
-            yield f"on = {self.on!r}: give the side of it, side='left' or 'right', or the points of a line"
+            yield f"on = {self.on!r}: give its side, side='left' or 'right', or the points of a line"
         elif self.side is not None and one_sided:
             yield f"side = {self.side!r}: {self.on} has fluid on one side only; leave it out"
         elif self.film is not None and kind == "tank" and not rolls:
-            yield (f"film = {self.film:g} m is of no use at a vertical side, where the surface is that of a "
+            yield (f"film = {self.film:g} m has no effect at a vertical side, where the height is that of a "
                    "SurfaceGauge; leave it out, or give the points of a line")
 
     def misplaced(self, places: Places) -> Iterator[str]:
-        """Its line is on a wall where fluid comes, and moves as the wall does."""
+        """See Probe: its line is on a wall that fluid reaches, and moves with that wall."""
         mesh = places.mesh
         if mesh is None:
             return
@@ -119,7 +119,7 @@ class RunUp(Probe):
             for number, body in enumerate(mesh.bodies):
                 apart = nearest(points, corners[mesh.element_body == number], within=places.spacing)[0]
                 if body.motion and self.on != body.name and np.isfinite(apart).all():
-                    yield (f"its points lie on {body.name}, which moves; give on={body.name!r} for the line to move "
+                    yield (f"its points are on {body.name}, which moves; give on={body.name!r} for the line to move "
                            "with it")
             return
         number = body_names(places.case.bodies).index(self.on)
@@ -134,8 +134,8 @@ class RunUp(Probe):
             middles = mesh.x0[on_side(mesh, number, self.side)].mean(axis=1)
             inward = (LIFT if self.side == "left" else -LIFT) * places.spacing
             if not places.in_front(middles + np.array([inward, 0.0])):
-                yield (f"no fluid comes to the {self.side} side of {self.on}, which is behind another body; "
-                       "give on= the name of that body")
+                yield (f"no fluid reaches the {self.side} side of {self.on}, which is behind another body; "
+                       "give the name of that body with on=")
 
     def begin(self, scene: ProbeScene) -> Measure:
         """See Probe. Raises CaseError for a line that does not exist."""
@@ -172,12 +172,11 @@ class SideRunUp(Measure):
 
 
 class LineRunUp(Measure):
-    """The upper end of the water along a line that begins in it.
+    """The upper end of the water along a line that begins in it; the first point of a dry line.
 
-    The end is that of the fluid within TOUCH that is connected with the beginning: by particles not farther apart than
-    COLUMN_GAP, or than in a film as thin as `film` of the probe. From there, the straight line through two surface
-    particles is continued to the wall: thin water ends where its particles are still some way below its tip. On a line
-    that is dry, it is the first point.
+    The water within TOUCH counts that is connected with the beginning: by particles not farther apart than COLUMN_GAP,
+    or than in a film as thin as `film` of the probe. From its end, the straight line through two surface particles is
+    continued to the wall, because the last particles of thin water are some distance below its tip.
     """
 
     def __init__(self, probe: RunUp, scene: ProbeScene, points: Floats, motion: Motion = AtRest()) -> None:
@@ -189,7 +188,7 @@ class LineRunUp(Measure):
 
     def rows(self, view: View) -> Floats:
         s, self.points = self.scene.spacing, self._motion.placed(self._start, view.time)
-        # in a torn film, particles have too few neighbours to be anything but spray
+        # particles of a torn film are spray, because they have too few neighbours
         along, away = self._onto(view.body if self.probe.film is None else view.places(view.fluid))
         surface = view.places(view.fluid & (view.particles.role == SURFACE))
         surface = surface[self._onto(surface)[1] <= BESIDE * s]
@@ -205,7 +204,7 @@ class LineRunUp(Measure):
         tip: Floats = places_along(self.points, self.ends, np.array([end]))[0]
         continued = self._continued(rows[rows[:, 0] == HEIGHT, 1:3], end)
         if continued is None or (self.probe.film is not None and self._onto(continued[None])[0][0] < end):
-            return tip[::-1]    # spray ahead of the surface is part of a film
+            return tip[::-1]    # a film includes spray ahead of the surface
         return continued[::-1]
 
     def _continued(self, surface: Floats, end: float) -> Floats | None:
@@ -233,9 +232,9 @@ class LineRunUp(Measure):
         return found
 
     def _onto(self, x: Floats) -> tuple[Floats, Floats]:
-        """Return how far along the line the places nearest to x (n, 2) are, and how far away: (n,) each [m].
+        """Return places along the line nearest to x (n, 2), and distances from it: (n,) each [m].
 
-        Where that is more than BESIDE, the latter may be infinite.
+        Distances of more than BESIDE may be infinite.
         """
         along, away = np.zeros(len(x)), np.full(len(x), np.inf)
         order, reach = np.argsort(x[:, 0]), BESIDE * self.scene.spacing
@@ -259,10 +258,11 @@ def _corners(points: Floats) -> Floats:
 
 
 def run_up_line(mesh: WallMesh, number: int, kind: str, side: str | None) -> Floats:
-    """Return the nodes (n, 2) [m], as at t = 0, of the line from the lowest place of a body's wall upwards.
+    """Return the nodes (n, 2) [m] at t = 0 of the line from the lowest place of a body's wall upwards.
 
-    number : of the body; kind : of a case; side : of it, or of a profile the end to which the line goes
-    Raises ValueError with what is wrong.
+    number, kind : of the body; side : of it, or the end of a profile to which the line goes
+
+    Raises ValueError with fault and remedy.
     """
     own = mesh.elements[mesh.element_body == number]
     if not len(own):
@@ -293,7 +293,7 @@ def _lowest(y: Floats) -> Ints:
 def _flank(elements: Ints, x: Floats, left: bool) -> Ints:
     """Return the nodes from the foot of a body, or its lowest node, along one flank to its highest, in order.
 
-    With the fluid on its left, the way leads up on the left of a body and down on its right.
+    Elements have the fluid on their left, so they lead up on the left of a body and down on its right.
     """
     ends = elements if left else elements[:, ::-1]
     step = dict(ends.tolist())

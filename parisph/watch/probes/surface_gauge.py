@@ -12,9 +12,9 @@ from parisph.case.truths import Peaks, Truth, WaveTruth
 from parisph.watch.gauges import COLUMN, GAUGE_GAP, column_rows, top
 from parisph.watch.sampling import View
 
-NODES = 4.0     # spacings within which surface particles may serve a gauge
-SLOPE = 2.0     # steeper than this between two particles is not one smooth surface
-CLOSEST = 0.05  # spacings: nor are two particles nearer to each other along x
+NODES = 4.0     # [spacings] largest distance along x of surface particles for a gauge
+SLOPE = 2.0     # largest slope between two particles of a smooth surface
+CLOSEST = 0.05  # [spacings] least distance along x of two such particles
 
 Place = tuple[float, float]    # x, y [m]
 
@@ -22,8 +22,8 @@ Place = tuple[float, float]    # x, y [m]
 class SurfaceGauge(Gauge):
     """Height y of the free surface [m] above x = `at` [m].
 
-    It is a smooth fit if the surface is smooth (`surface_height`). Where the surface breaks, the value is
-    that of a ColumnHeight; on a dry bed it is the height of the bed.
+    If the surface is smooth, the height is interpolated between particles (`surface_height`). Where it breaks, the
+    height is that of the topmost particle of the column; on a dry bed it is that of the bed.
 
     >>> SurfaceGauge("gauge", at=0.25).name
     'gauge'
@@ -48,7 +48,7 @@ class SurfaceGauge(Gauge):
 
 
 def surface_rows(view: View, at: float) -> Floats:
-    """Return what `surface` needs of this rank at x = `at` [m]: rows (n, 4)."""
+    """Return the rows (n, 4) of this rank for `surface` at x = `at` [m]."""
     return column_rows(view, at, GAUGE_GAP, NODES)
 
 
@@ -66,11 +66,11 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
                    walls: Sequence[float]) -> float:
     """Return the height [m] of the free surface above x = `at`, from the particles on it.
 
-    If the surface is smooth and single-valued, this is the polynomial through the two particles on
-    either side: of fourth order in the spacing, and continuous when a particle passes the gauge. At a
-    vertical wall d(eta)/dx = 0: particles are mirrored in it, and the polynomial through (-b, y2),
-    (-a, y1), (a, y1), (b, y2) has the value (y1 b^2 - y2 a^2)/(b^2 - a^2) at the wall. If there are
-    steps steeper than SLOPE, only the nearest particles are used, or only `top`.
+    If the surface is smooth and single-valued, this is the polynomial through two particles on either side. It is of
+    fourth order in the spacing, and continuous when a particle passes the gauge. At a vertical wall d(eta)/dx = 0:
+    particles are mirrored in it, and the polynomial through (-b, y2), (-a, y1), (a, y1), (b, y2) has the value
+    (y1 b^2 - y2 a^2)/(b^2 - a^2) at the wall. With steps steeper than SLOPE, only the nearest particles are used, or
+    only `top`.
 
     x, y : (n,) particles on the surface, in any order [m]
     top : highest water within COLUMN spacings of the gauge [m]
@@ -78,7 +78,7 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
     """
     points = [(a, b) for a, b in zip(x.tolist(), y.tolist())]
     points += [(2.0 * wall - a, b) for wall in walls for a, b in points]
-    # what a surface of at most SLOPE can reach from the top near the gauge; spray is higher
+    # without spray: points that a surface of at most SLOPE can reach from the top near the gauge
     points = [(a, b) for a, b in points if b - top <= SLOPE * max(abs(a - at) - COLUMN * spacing, 0.0)]
     points.sort(key=lambda point: (abs(point[0] - at), -point[1]))
     left: list[Place] = []
@@ -95,7 +95,7 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
 
 
 def _covered(x: float, y: float, points: Sequence[Place], spacing: float) -> bool:
-    """Return whether another surface lies above, too close along x for a surface of at most SLOPE."""
+    """Return whether another point is above, too near along x for a surface of at most SLOPE."""
     return any(abs(a - x) < spacing and b - y > SLOPE * max(abs(a - x), 0.5 * spacing) for a, b in points)
 
 
@@ -105,7 +105,7 @@ def _smooth(one: Place, other: Place, spacing: float) -> bool:
 
 
 def _through(nodes: Sequence[Place], at: float) -> float:
-    """Value at `at` of the polynomial through the points (Lagrange)."""
+    """Return the value at `at` of the polynomial through the points (Lagrange)."""
     value = 0.0
     for i, (x, y) in enumerate(nodes):
         for j, (other, _) in enumerate(nodes):

@@ -14,7 +14,7 @@ from parisph.case.scene import Scene
 from parisph.geometry.probe_places import Places
 from parisph.watch.points import AtPoints
 
-TIE = 1e-6    # spacings: the point may be so near to a wall
+TIE = 1e-6    # [spacings] tolerance of a point on a wall
 
 
 class VelocityPoint(AtPoints):
@@ -40,4 +40,4 @@ class VelocityPoint(AtPoints):
     def misplaced(self, places: Places) -> Iterator[str]:
         around = TIE * places.spacing * np.array([(0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)])
         if not places.in_front(self.at + around, resting=True):
-            yield f"at = {self.at} is not in front of the walls, where fluid comes; move it"
+            yield f"at = {self.at} is not in front of the walls, where fluid can come; move it"

@@ -16,7 +16,7 @@ from parisph.watch.points import AtPoints
 
 
 class VelocityProfile(AtPoints):
-    """Velocity [m/s] and pressure [Pa] at `points` points, evenly from `start` to `end` [m].
+    """Velocity [m/s] and pressure [Pa] at `points` points, evenly spaced from `start` to `end` [m].
 
     The columns of point k are u_k, v_k and p_k; the first point is 0. Points outside the fluid have nan.
 

@@ -9,15 +9,15 @@ from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
 from parisph.watch.sampling import View
 
-INSIDE = 2.1    # spacings: cells inside the fluid are farther from the surface
+INSIDE = 2.1    # [spacings] least distance from the surface of cells inside the fluid
 
 
 class Volume(Probe):
     """Mean Voronoi cell inside the fluid over the square of the spacing.
 
-    It is relative [-], with the number of cells that were averaged: 1 on a lattice of the spacing. Scenes with a fluid
-    of another shape may start with other cells. Inside means: inner particles farther than 2.1 spacings from every
-    surface and ballistic particle; nan if there are none.
+    It is dimensionless, 1 on a lattice of the spacing; fluid of another shape may start with other cells. The column
+    `count` is the number of averaged cells: those of inner particles farther than 2.1 spacings from all surface and
+    ballistic particles. Without any, the mean is nan.
 
     >>> Volume("volume", every=10).every
     10

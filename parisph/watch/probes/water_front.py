@@ -14,9 +14,8 @@ from parisph.watch.sampling import ProbeScene, View
 class WaterFront(Probe):
     """Position x [m] of the water's foremost particle along the bed.
 
-    It is that of the water on the bed, within 2 spacings of it, that is connected to its main body. This is the largest
-    that has no gap of more than 2.1 spacings along x, so that a droplet ahead is not the front. Without a tank the same
-    of all the fluid.
+    Only the main body of the water within 2 spacings of the bed counts: the largest without a gap of more than 2.1
+    spacings along x. So a droplet ahead is not the front. Without a bed, it is that of all fluid.
 
     >>> WaterFront("front").kind
     'water_front'
