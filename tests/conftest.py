@@ -1,5 +1,7 @@
 """Settings for all tests: one thread a rank, parallel h5py. Before anything imports numpy."""
 
+import sys
+
 import pytest
 
 from parisph.base import environment
@@ -7,19 +9,9 @@ from parisph.base import environment
 environment.prepare()
 
 
-@pytest.fixture
-def simulated():
-    """Return a function that makes a Simulation of a case on this rank, which is freed after the test."""
-    from mpi4py import MPI
-
-    from parisph.driver import Simulation
-
-    made = []
-
-    def new(case, *more, **options):
-        made.append(Simulation(case, MPI.COMM_SELF, *more, **options))
-        return made[-1]
-
-    yield new
-    for simulation in made:
-        simulation.destroy()
+@pytest.fixture(autouse=True)
+def _freed():
+    """Free the Simulations that a test has made."""
+    yield
+    if "tests.scenes" in sys.modules:
+        sys.modules["tests.scenes"].free()

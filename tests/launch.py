@@ -39,6 +39,19 @@ def mpirun(n, args, timeout=HANGS, cwd=None, **settings):
     return run([launcher, "-n", n, sys.executable, *args], timeout, cwd, **settings)
 
 
-def parisph(*args, timeout=HANGS, cwd=None, **settings):
-    """Run `parisph ARGS` without mpirun; return CompletedProcess (see `run`)."""
+def parisph(*args, ranks=1, timeout=HANGS, cwd=None, **settings):
+    """Run `parisph ARGS`, without mpirun on one rank; return CompletedProcess (see `run`)."""
+    if ranks > 1:
+        return mpirun(ranks, ["-m", "parisph", *args], timeout, cwd, **settings)
     return run([sys.executable, "-m", "parisph", *args], timeout, cwd, **settings)
+
+
+def contents(folder, but=""):
+    """Return {path: bytes} of all files of a folder, but those of one name."""
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != but}
+
+
+def succeeded(done):
+    """Return a CompletedProcess; raise AssertionError with what it has said if it failed."""
+    assert done.returncode == 0, done.stderr
+    return done

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from parisph.base.fields import ABSENT, FLUID, INNER, WALL
 from parisph.case.lattice import Lattice
@@ -15,6 +16,8 @@ from parisph.kernels.moments import second_moment
 from parisph.kernels.records import cloud_of, no_walls
 from parisph.kernels.solids import near_lists, seen_elements
 from parisph.patch import arrangement
+
+dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 @dataclass

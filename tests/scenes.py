@@ -3,10 +3,14 @@
 from textwrap import indent
 
 import numpy as np
+from mpi4py import MPI
 
+from parisph import driver
 from parisph.case.load import load
 from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.case.stored import to_json
+from parisph.io.reader import open_run
 from tests.launch import ROOT, mpirun
 
 # The head of a program that runs on several ranks.
@@ -40,6 +44,39 @@ def water(shape, tank, numerics, **about):
                    "gravity": (0.0, -9.81), "end_time": 1.0, "numerics": numerics, **about})
 
 
+_MADE: list[driver.Simulation] = []
+
+
+def simulated(case, steps=0, **options):
+    """Return a Simulation of a case on this rank after some steps, which is freed after the test (see conftest.py)."""
+    _MADE.append(driver.Simulation(case, MPI.COMM_SELF, **options))
+    for _ in range(steps):
+        _MADE[-1].advance()
+    return _MADE[-1]
+
+
+def free():
+    """Free what `simulated` has made."""
+    while _MADE:
+        _MADE.pop().destroy()
+
+
+def run_alone(case, folder, *words, **options):
+    """Run a case into a folder, on this rank and without a progress line; return the summary."""
+    return driver.run(case, MPI.COMM_SELF, folder, *words, progress=False, **options)
+
+
+def ran(case, folder, *words):
+    """Run a case in the same way, and return its Run."""
+    run_alone(case, folder, *words)
+    return open_run(folder)
+
+
+def restart_alone(place, **options):
+    """Go on with a run, in the same way."""
+    return driver.restart(place, MPI.COMM_SELF, progress=False, **options)
+
+
 def made_motion(folder):
     """Write a roll of 4 degrees, from rest and to rest, as the measured motion that cases/lateral_roll.py needs."""
     t = np.linspace(0.0, 8.35, 836)
@@ -62,6 +99,36 @@ def on_one_and_more(body, folder, most=3, timeout=120):
     start ranks takes longer than most bodies."""
     comms = "everyone.Split(everyone.rank // 2)," + (" everyone" if most == 3 else "")
     return on_ranks(3, f"everyone = comm\nfor comm in ({comms}):\n{indent(body, '    ')}", folder, timeout)
+
+
+STEPS = """
+from pathlib import Path
+from parisph.case.stored import from_json
+for path in sorted(Path().glob("*.json")):
+    s = Simulation(from_json(path.read_text()), comm)
+    for _ in range({steps}):
+        s.advance()
+    s.complete({fields})
+    found = s.gather(*{fields})
+    if comm.rank == 0:
+        np.savez(f"{{path.stem}}-{{comm.size}}.npz", **found)
+    s.destroy()
+"""
+
+
+def after_steps(cases, steps, fields, folder, most=2):
+    """Return {(name, ranks): fields of all particles} after steps of each Case of a dict, on 1 and 2 ranks, or to 3."""
+    found = {}
+    for name, case in cases.items():
+        (folder / f"{name}.json").write_text(to_json(case))
+        if most == 2:    # of three ranks, one is alone while two are at work
+            s = simulated(case, steps)
+            s.complete(fields)
+            found[name, 1] = s.gather(*fields)
+    body = STEPS.format(steps=steps, fields=fields)
+    on_ranks(2, body, folder, 300) if most == 2 else on_one_and_more(body, folder, timeout=300)
+    return found | {(name, n): np.load(folder / f"{name}-{n}.npz") for name in cases
+                    for n in range(1, most + 1) if (name, n) not in found}
 
 
 def on_two_and_then(n, body, first, then, folder):

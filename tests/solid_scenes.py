@@ -44,7 +44,7 @@ def level(name, x, normal):
 def errors_at_rest(case, name, steps):
     """Return of each step the greatest speed over sqrt(g d) and pressure error over rho g d, (steps,) each.
 
-    case : of `still`; d = 1 m
+    case : of `still`, or of a tank, d = 1 m
     """
     s = Simulation(case, MPI.COMM_SELF)
     p, speed, error = s.particles, np.empty(steps), np.empty(steps)

@@ -6,12 +6,33 @@ interpolant minus the centre, divided by its second moment (about 21 entries). W
 normal derivative by weighted least squares, diagonal -1 (as in a projection step).
 """
 
+import gc
+import os
 from contextlib import contextmanager
 
 import numpy as np
+import pytest
 from numba import njit
 
 from parisph.pressure.solver import PressureSolver
+
+
+def failing(*prefixes):
+    """Return the options by which attempts fail: "" for the first one, "gamg_" and so on for later ones."""
+    return [word for prefix in prefixes for word in (f"-pressure_{prefix}ksp_max_it", "1")]
+
+
+# The options by which all attempts fail before the one that is expected.
+chain = pytest.mark.parametrize("words, expected", [
+    (failing(""), "gamg"), (failing("", "gamg_"), "asm"), (failing("", "gamg_", "asm_"), "lu")])
+needs_proc = pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
+
+
+def resident():
+    """Return the memory of this process [kB]; not its peak, which earlier tests may have set."""
+    gc.collect()
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
 
 
 @contextmanager

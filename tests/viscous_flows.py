@@ -6,11 +6,11 @@ over about a fourth of the height.
 """
 
 import numpy as np
-from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Lid, Numerics, Simulation, Tank, VelocityProfile
+from parisph import Box, Case, Fluid, Lid, Numerics, Tank, VelocityProfile
 from parisph.base.fields import WALL
 from parisph.watch import instruments
+from tests.scenes import simulated
 
 LONG = 3.0      # length of a tank over its height
 
@@ -33,7 +33,7 @@ def tank(spacing, viscosity, end_time, lid=0.0, no_slip=("bottom", "top"), gravi
 
 def run(case, prepare=None):
     """Return the Simulation at the end of the case. prepare : changes it before the first step."""
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     if prepare:
         prepare(s)
     while not s.finished():
@@ -165,14 +165,13 @@ def decay(case, until, probe, frequencies, after=0.0, prepare=None):
     until, after : times [s] to which it runs, and from which on the wave is fitted; probe : name of the gauge
     frequencies : first and last value between which it is looked for; prepare : changes the Simulation before it runs
     """
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     if prepare:
         prepare(s)
     gauge, found = instruments.build(case, s.comm)[:1], []
     while s.time < until:
         s.advance()
         found.append((s.time, instruments.sample_all(gauge, s.particles, s.domain, s.time)[probe][0]))
-    s.destroy()
     t, y = np.transpose(found)
     return damped_wave(t[t > after], y[t > after], (0.0, 0.5), frequencies)
 

@@ -1,6 +1,7 @@
 """Scenes with particles at made-up places, for tests of probes."""
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.case.schema import Tank
 from parisph.driver.solid_walls import elements_of
@@ -28,7 +29,7 @@ class Watch:
     do the same to each particle on any number of ranks
     """
 
-    def __init__(self, case, comm, change=None):
+    def __init__(self, case, comm=MPI.COMM_SELF, change=None):
         arrays = geometry.build(case, comm.rank, comm.size)
         if change is not None:
             change(arrays)

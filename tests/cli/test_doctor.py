@@ -6,7 +6,8 @@ import pytest
 from mpi4py import MPI
 
 from parisph import doctor
-from tests.launch import mpirun, parisph
+from parisph.__main__ import main
+from tests.launch import mpirun, parisph, succeeded
 
 
 def by_name(findings):
@@ -22,8 +23,7 @@ def test_this_machine_is_fit():
 
 
 def test_trial_on_three_ranks(tmp_path):
-    done = mpirun(3, ["-m", "parisph", "doctor", "--trial"], cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(mpirun(3, ["-m", "parisph", "doctor", "--trial"], cwd=tmp_path))
     assert done.stdout.count('"ranks": 3') == 1 and '"file": true' in done.stdout
     assert list(tmp_path.iterdir()) == []
 
@@ -55,8 +55,6 @@ def test_mpirun_of_another_library_or_that_hangs_or_fails(only_mpirun, monkeypat
 def test_no_mpirun(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(doctor, "_LIBRARIES", ())
-    from parisph.__main__ import main
-
     assert main(["doctor"]) == 1
     shown = capsys.readouterr().out
     assert "PROBLEM mpirun     not on PATH" in shown and "remedy:" in shown and "1 problem found." in shown
@@ -148,8 +146,6 @@ def absent(*names):
     (("MPI", "PETSc", "numba"), 1, "PROBLEM numba"),
 ])
 def test_a_machine_without_mpi_is_a_state_and_no_problem(monkeypatch, capsys, missing, code, says):
-    from parisph.__main__ import main
-
     monkeypatch.setattr(doctor, "_library", absent(*missing))
     monkeypatch.setattr(doctor, "_two_ranks", lambda launcher: doctor.Finding("two ranks", True, "fine"))
     assert main(["doctor"]) == code

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from tests.launch import mpirun, parisph, run
+from tests.launch import parisph, run, succeeded
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Tank
@@ -27,36 +27,27 @@ def folder(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("name", [".petscrc", "petscrc"])
-@pytest.mark.parametrize("words", VERBS)
-def test_file_in_the_current_folder_is_not_read(folder, words, name):
+@pytest.mark.parametrize(("words", "ranks", "name", "home"), [
+    *((words, 1, name, "my home") for words in VERBS for name in (".petscrc", "petscrc")),
+    (VERBS[0], 2, ".petscrc", "my home"), (VERBS[2], 2, ".petscrc", "my home"), (VERBS[0], 1, ".petscrc", "work")])
+def test_file_in_the_current_folder_is_not_read(folder, words, ranks, name, home):
+    """Also if it is the home."""
     (folder / "work" / name).write_text(BAD)
-    done = parisph(*words, cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "my home"))
-    assert done.returncode == 0, done.stderr
+    done = succeeded(parisph(*words, ranks=ranks, cwd=folder / "work", timeout=COMPILING, HOME=str(folder / home)))
     assert "PETSc" not in done.stdout
-
-
-@pytest.mark.parametrize(("words", "ranks", "home"), [(VERBS[0], 2, "my home"), (VERBS[2], 2, "my home"),
-                                                      (VERBS[0], 1, "work")])
-def test_nor_on_two_ranks_or_where_the_current_folder_is_the_home(folder, words, ranks, home):
-    (folder / "work" / ".petscrc").write_text(BAD)
-    done = mpirun(ranks, ["-m", "parisph", *words], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / home))
-    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_file_in_the_home_is_read(folder, ranks):
     (folder / "my home" / ".petscrc").write_text(BAD)
-    done = mpirun(ranks, ["-m", "parisph", *VERBS[0]], cwd=folder / "work", timeout=COMPILING,
-                  HOME=str(folder / "my home"))
+    done = parisph(*VERBS[0], ranks=ranks, cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "my home"))
     assert done.returncode == 2 and "nonsense" in done.stderr
 
 
 def options(folder, script, **settings):
     """Return PETSc's options after a script, which runs in the folder."""
     script += "\nfrom parisph.parallel.petsc import PETSc\nprint(PETSc.Options().getAll())\n"
-    done = run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings))
     return done.stdout
 
 

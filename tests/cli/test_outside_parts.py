@@ -7,7 +7,7 @@ import pytest
 
 from parisph import CaseError, open_run
 from parisph.case.load import register_parts
-from tests.launch import ROOT, mpirun, parisph
+from tests.launch import ROOT, mpirun, parisph, succeeded
 
 HEAD = f"""
 import importlib.util
@@ -94,8 +94,7 @@ study = Study(case="mine.py", warm_up=False, errors=[TruthError("left")],
               variants=[Variant(label="ours")]
               + [Variant(parameters={{what: word}}, label=what) for what, word in {WORD!r}.items()])
 """)
-    done = parisph("study", "compare.py", "-o", "out", cwd=folder, timeout=200)
-    assert done.returncode == 0, done.stderr
+    succeeded(parisph("study", "compare.py", "-o", "out", cwd=folder, timeout=200))
     return dict(zip(["ours", *WORD], json.loads((folder / "out" / "results.json").read_text())["runs"], strict=True))
 
 

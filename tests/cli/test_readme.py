@@ -9,7 +9,7 @@ import pytest
 
 from parisph import cli, parser
 from parisph.case.load import load, parameters
-from tests.launch import ROOT, parisph, run
+from tests.launch import ROOT, parisph, run, succeeded
 
 README = ROOT / "README.md"
 READMES = [README, *(path for folder in ("parisph", "cases", "run_scripts", "tests")
@@ -47,17 +47,13 @@ def test_case_runs_from_the_shell(first):
     assert "status          completed" in done.stdout and "runs/sloshing" in done.stdout
 
 
-def test_study_can_be_carried_out(tmp_path):
+@pytest.mark.parametrize(("word", "says"), [
+    ("study = Study(", "16 runs, 16 to do"), ("study = PatchStudy(", "Gradient beside walls: cube")])
+def test_study_can_be_carried_out(tmp_path, word, says):
     (tmp_path / "cases").symlink_to(ROOT / "cases")
-    (tmp_path / "study.py").write_text(one(PYTHON, "study = Study("), encoding="utf-8")
+    (tmp_path / "study.py").write_text(one(PYTHON, word), encoding="utf-8")
     done = parisph("study", "study.py", "--list", cwd=tmp_path)
-    assert done.returncode == 0 and "16 runs, 16 to do" in done.stdout, done.stderr
-
-
-def test_patch_study_can_be_carried_out(tmp_path):
-    (tmp_path / "patch.py").write_text(one(PYTHON, "study = PatchStudy("), encoding="utf-8")
-    done = parisph("study", "patch.py", "--list", cwd=tmp_path)
-    assert done.returncode == 0 and "Gradient beside walls: cube" in done.stdout, done.stderr
+    assert done.returncode == 0 and says in done.stdout, done.stderr
 
 
 def test_script_runs_as_printed(first):
@@ -72,8 +68,7 @@ def test_script_runs_as_printed(first):
     )
     (first / "script.py").write_text(script, encoding="utf-8")
     for folder in ("runs/short", "runs/short.old"):    # twice, as a reader may
-        done = run([sys.executable, "script.py"], cwd=first, timeout=200)
-        assert done.returncode == 0, done.stderr
+        succeeded(run([sys.executable, "script.py"], cwd=first, timeout=200))
         assert (first / folder / "summary.json").exists()
 
 
@@ -82,8 +77,7 @@ def test_script_runs_as_printed(first):
     ("EnergyLeft", "from parisph.case.probes import class_of; assert class_of('energy_left') is EnergyLeft"),
 ])
 def test_part_is_registered_as_printed(word, check):
-    done = run([sys.executable, "-c", f"{one(PYTHON, word)}\n{check}"], timeout=200)
-    assert done.returncode == 0, done.stderr
+    succeeded(run([sys.executable, "-c", f"{one(PYTHON, word)}\n{check}"], timeout=200))
 
 
 def test_names_are_offered_by_the_package():

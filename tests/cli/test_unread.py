@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.launch import run
+from tests.launch import run, succeeded
 
 CASE = """
 from tests.scenes import scene
@@ -59,10 +59,11 @@ def test_an_error_keeps_its_code(folder, words, code, unbuffered):
 
 def test_looking_at_a_run(folder):
     assert run([*PARISPH, "run", "case.py", "-o", "run", "-q"], 120, folder).returncode == 0
-    for words in (("info", "run"), ("plot", "run"), ("plot", "run", "--peak", "P1"),
+    for words in (("info", "run"), ("info", "run", "--json"), ("plot", "run"), ("plot", "run", "--peak", "P1"),
                   ("compare", "run", "run/probes/P1.csv", "--probe", "P1")):
-        done = unread(folder, *words)
-        assert (done.returncode, done.stderr) == (0, ""), words
+        for unbuffered in ("", "1") if words[0] == "info" else ("",):
+            done = unread(folder, *words, PYTHONUNBUFFERED=unbuffered)
+            assert (done.returncode, done.stderr) == (0, ""), words
 
 
 def test_petsc_leaves_the_signal_to_the_program(tmp_path):
@@ -74,8 +75,7 @@ def test_petsc_leaves_the_signal_to_the_program(tmp_path):
             "line = next(line for line in open('/proc/self/status') if line.startswith('SigCgt'))\n"
             "caught = int(line.split()[1], 16) >> (signal.SIGPIPE - 1) & 1\n"
             f"assert not caught and signal.getsignal(signal.SIGPIPE) == signal.{chosen}\n")
-        done = run([sys.executable, "program.py"], 60, tmp_path)
-        assert done.returncode == 0, done.stderr
+        succeeded(run([sys.executable, "program.py"], 60, tmp_path))
 
 
 @pytest.mark.parametrize(("to", "code"),

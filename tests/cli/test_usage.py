@@ -11,7 +11,7 @@ from parisph import __main__ as entry
 from parisph import cli, load, open_run, parser, verbs
 from parisph.base import errors
 from parisph.base.text import is_plain
-from tests.launch import mpirun, parisph
+from tests.launch import mpirun, parisph, succeeded
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Tank
@@ -184,13 +184,6 @@ def test_every_verb_has_work():
     assert list(verbs.WORK) == list(known)
 
 
-def test_bad_case_on_two_ranks_is_said_once(case):
-    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "--set", "depth=1"], cwd=case.parent)
-    assert done.returncode == 2
-    assert done.stderr.count("parisph: error: ") == 1 and "no parameter 'depth'" in done.stderr
-    assert "Traceback" not in done.stderr
-
-
 MOODY = CASE + """
 import os, time, uuid
 with open("loaded.txt", "a") as file:
@@ -205,38 +198,38 @@ def case(spacing: float = 0.1) -> Case:
 """
 
 
-def test_case_that_imports_all_of_parisph_is_refused_like_any_other(case):
-    """The import starts PETSc, which all ranks must do together, and one rank loads the case."""
-    case.write_text(CASE.replace("from parisph import Box, Case, Fluid, Numerics, Tank", "from parisph import *"))
-    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "--set", "spacing=-1"], cwd=case.parent)
-    assert done.returncode == 2 and done.stderr.count("parisph: error: ") == 1 and "spacing = -1" in done.stderr
-
-
 def test_case_that_differs_from_rank_to_rank_is_loaded_on_one(case):
     """By rank, process and clock: each rank would have particles, steps and a title of its own."""
     case.write_text(MOODY)
-    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "-q", "-o", "run"], cwd=case.parent, timeout=120)
-    assert done.returncode == 0, done.stderr
+    succeeded(mpirun(2, ["-m", "parisph", "run", "tank.py", "-q", "-o", "run"], cwd=case.parent, timeout=120))
     assert (case.parent / "loaded.txt").read_text() == "0"
     stored = load("run/case.json")
     summary = json.loads((case.parent / "run" / "summary.json").read_text())
     assert stored.walls.width == 1.0 and summary["case"] == stored.title
     assert summary["steps"] == round(0.02 / stored.numerics.time_step)
-    again = mpirun(1, ["-m", "parisph", "run", "run/case.json", "-q", "-o", "again"], cwd=case.parent)
-    assert again.returncode == 0, again.stderr
+    succeeded(mpirun(1, ["-m", "parisph", "run", "run/case.json", "-q", "-o", "again"], cwd=case.parent))
     first, second = (open_run(name).snapshot(-1) for name in ("run", "again"))
     np.testing.assert_array_equal(first["id"], second["id"])
     assert np.abs(first["x"] - second["x"]).max() < 1e-6
 
 
-@pytest.mark.parametrize("trouble", ["assert False, 'no such file here'", "raise SystemExit('no such file here')"])
-def test_case_that_fails_on_the_first_rank_ends_all(case, trouble):
-    case.write_text(CASE + "\nimport os\n"
-                           f"if os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) == '0': {trouble}\n")
-    done = mpirun(2, ["-m", "parisph", "run", "tank.py"], cwd=case.parent)
+# the import starts PETSc, which all ranks must do together, and one rank loads the case
+STARRED = CASE.replace("from parisph import Box, Case, Fluid, Numerics, Tank", "from parisph import *")
+ON_THE_FIRST = CASE + "\nimport os\nif os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) == '0': {}\n"
+
+
+@pytest.mark.parametrize(("text", "words", "says"), [
+    (CASE, ["run", "tank.py", "--set", "depth=1"], "no parameter 'depth'"),
+    (CASE, ["check", "tank.py"], "start it without mpirun"),
+    (STARRED, ["run", "tank.py", "--set", "spacing=-1"], "spacing = -1"),
+    (ON_THE_FIRST.format("assert False, 'no such file here'"), ["run", "tank.py"], "no such file here"),
+    (ON_THE_FIRST.format("raise SystemExit('no such file here')"), ["run", "tank.py"], "no such file here"),
+])
+def test_what_is_wrong_on_two_ranks_is_said_once(case, text, words, says):
+    case.write_text(text)
+    done = mpirun(2, ["-m", "parisph", *words], cwd=case.parent)
     assert done.returncode == 2 and not (case.parent / "runs").exists()
-    assert (done.stderr.count("parisph: error: ") == 1 and "no such file here" in done.stderr
-            and "Traceback" not in done.stderr)
+    assert done.stderr.count("parisph: error: ") == 1 and says in done.stderr and "Traceback" not in done.stderr
 
 
 FAULT = '''
@@ -268,11 +261,6 @@ def test_fault_of_one_rank_ends_the_others(case, error, code, says):
     done = mpirun(2, [program], cwd=case.parent)
     assert done.returncode == code
     assert says in done.stderr and "Traceback" in done.stderr
-
-
-def test_looking_needs_no_mpirun(case):
-    done = mpirun(2, ["-m", "parisph", "check", "tank.py"], cwd=case.parent)
-    assert done.returncode == 2 and done.stderr.count("start it without mpirun") == 1
 
 
 def test_mpirun_of_another_mpi_library_is_noticed(case):

@@ -7,13 +7,12 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Obstacle, Polygon, Profile, StillWater, Tank
+from parisph import Box, Obstacle, Polygon, Profile, StillWater, Tank
 from parisph.base.fields import INNER, WET
-from parisph.driver import Simulation
 from parisph.kernels import curvature
 from tests.manufactured import orders
+from tests.scenes import simulated, water
 
 SPACINGS, K = (0.1, 0.05, 0.025), 2.0
 TANK = Tank(2.0, 1.3)
@@ -44,10 +43,9 @@ def other(x, y):
 
 def error(name, spacing, wall_rows, field, jitter=0.4):
     """Return the rms error of the pressure over its range."""
-    water = Box(2.0, 1.0) if name == "tank" else StillWater(1.0)
-    s = Simulation(Case(title=name, fluid=Fluid(water, density=1000.0), walls=WALLS[name], gravity=(0.0, -9.81),
-                        end_time=1.0, numerics=Numerics(spacing=spacing, preset="gentle", wall_rows=wall_rows,
-                                                        jitter=jitter, rtol=1e-12)), MPI.COMM_SELF)
+    fluid = Box(2.0, 1.0) if name == "tank" else StillWater(1.0)
+    s = simulated(water(fluid, WALLS[name], dict(spacing=spacing, preset="gentle", wall_rows=wall_rows, jitter=jitter,
+                                                 rtol=1e-12)))
     s.solve_start()
     flow, p = s.method.flow, s.particles
     value, gradient, target = field(*p.x.T)
@@ -62,7 +60,6 @@ def error(name, spacing, wall_rows, field, jitter=0.4):
     flow.rows.add_surface_values(right, value)
     found, _ = flow.solver.solve(*flow.rows.csr(flow.domain.global_rows)[:3], right, None, renumbered=True)
     off = (found - value)[solved]
-    s.destroy()
     return np.sqrt(np.mean(off**2)) / np.ptp(value[solved])
 
 

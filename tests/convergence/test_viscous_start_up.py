@@ -13,7 +13,6 @@ def error(exact, prepare=None, **sets):
     """Return the rms error of u at the mid-section over its largest value."""
     s = flows.run(flows.tank(**sets), prepare)
     u = flows.middle(s)
-    s.destroy()
     return np.sqrt(np.mean((u - exact) ** 2)) / np.abs(exact).max()
 
 

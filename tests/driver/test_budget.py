@@ -4,15 +4,13 @@ import json
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Case, Energy, Fluid, Numerics, Output, Simulation
+from parisph import Box, Case, Energy, Fluid, Numerics, Output
 from parisph.case.schema import Sway
 from parisph.case.stored import from_json, to_json
-from parisph.driver import restart, run
 from parisph.io import reader, series
 from parisph.watch import instruments
-from tests.scenes import on_ranks, scene
+from tests.scenes import on_ranks, ran, restart_alone, run_alone, scene, simulated
 
 CAUSES = ("pressure", "film", "filter", "collisions", "guard", "projection", "parting", "shift")
 COLUMNS = [f"work_{cause}" for cause in CAUSES]
@@ -21,7 +19,7 @@ SELDOM = ("work_parting", "work_film")    # in a flow without jets of single par
 
 def steps_of(case):
     """Yield the works of each step of a run, and the gain of energy by the probe [J/m]."""
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
 
     def energy():
@@ -34,7 +32,6 @@ def steps_of(case):
         after = energy()
         yield works, after - before
         before = after
-    simulation.destroy()
 
 
 def test_works_add_up_to_the_change_of_energy():
@@ -61,19 +58,18 @@ def test_free_fall_does_no_work():
         assert abs(gain) < 1e-7
 
 
-def test_without_a_budget_there_is_none(tmp_path, simulated):
+def test_without_a_budget_there_is_none(tmp_path):
     case = scene("dam_break", spacing=0.1, end_time=0.05)
     simulation = simulated(case)
     assert simulation.advance().works is None
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
-    names = reader.open_run(tmp_path / "run").steps.dtype.names
+    names = ran(case, tmp_path / "run").steps.dtype.names
     assert not any("work" in name for name in names) and names[-1] == "left"
 
 
 def test_a_restart_continues_the_columns(tmp_path):
     case = scene("dam_break", spacing=0.1, end_time=0.1, budget=True)
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
-    restart(tmp_path / "run", MPI.COMM_SELF, until=0.06, progress=False)
+    run_alone(case, tmp_path / "run")
+    restart_alone(tmp_path / "run", until=0.06)
     found = reader.open_run(tmp_path / "run")
     assert found.steps["time"][-1] > 0.055 and series.units(found.folder / "steps.csv")[COLUMNS[0]] == "J/m"
     works = sum(found.steps[name] for name in COLUMNS)

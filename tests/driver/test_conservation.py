@@ -5,19 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Obstacle, Output, Polygon, StillWater
-from parisph.driver import Simulation, describe, restart, run
+from parisph.driver import describe
 from parisph.driver.conservation import Conservation, Range
 from parisph.driver.summary import Account
 from parisph.io import info as words
-from tests.scenes import scene, water
+from tests.scenes import restart_alone, run_alone, scene, simulated, water
 
 
 def started(case):
     """Return a Simulation at its start, and its Conservation that has looked at it."""
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     s.solve_start()
     kept = Conservation(s)
     kept.measure(s)
@@ -42,7 +41,7 @@ def test_range_without_a_start_compares_nothing():
 
 def test_volume_that_was_off_on_the_way_is_named(tmp_path):
     """In steps more than twice as long as usual, the drop on the lattice is 2.8 % off at .75 s, and .9 % at its end."""
-    summary = run(scene("free_drop", time_step=0.025), MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(scene("free_drop", time_step=0.025), tmp_path / "run")
     assert abs(summary["volume_drift"]) < 0.01 < 0.02 < summary["volume_range"]["high"]
     assert summary["status"] == "completed with warnings" and len(summary["warnings"]) == 1
     assert ("volume" in summary["warnings"][0]
@@ -68,7 +67,6 @@ def test_energy_that_comes_from_nothing_is_named():
     assert content["energy_range"]["high"] == pytest.approx(0.02, rel=0.1) and content["energy_drift"] < 1e-3
     (line,) = kept.passed().values()
     assert "energy" in line and "%" in line and f"{s.time:.4g} s" in line
-    s.destroy()
 
 
 def test_energy_of_a_driven_flow_may_rise():
@@ -76,7 +74,6 @@ def test_energy_of_a_driven_flow_may_rise():
     s.particles.u *= 2.0
     kept.step(s)
     assert kept.content()["driven"] and not kept.passed().values()
-    s.destroy()
 
 
 @pytest.mark.parametrize("field", ["u", "x"])
@@ -87,7 +84,6 @@ def test_what_is_no_number_is_named(field):
     (line,) = kept.passed().values()
     assert "energy was not a number 1 time, first at t = 0 s" in line
     assert kept.content()["energy_drift"] is None and kept.content()["energy_range"]["high"] == 0.0
-    s.destroy()
 
 
 @pytest.mark.parametrize("gravity", [(0.0, -9.81), (9.81, 0.0), (0.0, 9.81), (-6.0, 6.0)])
@@ -100,7 +96,6 @@ def test_change_of_energy_has_its_sign_in_every_direction_of_gravity(gravity):
     assert start > 0.0 and kept.energy.now - start == pytest.approx(2.5, rel=0.01)
     assert (kept.content()["energy_range"]["high"] == kept.content()["energy_drift"]
             == pytest.approx(2.5 / start, rel=0.01))
-    s.destroy()
 
 
 def test_volume_of_a_thin_layer_is_said_to_be_unknown():
@@ -108,10 +103,9 @@ def test_volume_of_a_thin_layer_is_said_to_be_unknown():
     lines = words.table(kept.content())
     assert any(line.startswith("volume drift ") and "not measured: nothing was 2.1 spacings inside" in line
                for line in lines)
-    s.destroy()
 
 
-def test_a_body_that_loses_its_surface_on_the_way_is_named(simulated):
+def test_a_body_that_loses_its_surface_on_the_way_is_named():
     s = simulated(scene("dam_break", spacing=0.05))
     s.solve_start()
     account = Account()
@@ -132,7 +126,6 @@ def test_a_body_that_loses_its_surface_on_the_way_is_named(simulated):
 
 def in_motion(case):
     s, kept = started(case)
-    s.destroy()
     return kept.content()["energy_in_motion"]
 
 
@@ -170,13 +163,11 @@ def test_energy_in_motion_of_low_waves_knows_no_moves_of_particles():
         s.advance()
         kept.step(s)
     kept.measure(s)
-    s.destroy()
     assert -0.1 < kept.content()["energy_in_motion"]["drift"] < 0.0
 
 
 def test_energy_in_motion_shows_no_rounding():
     s, kept = started(scene("hydrostatic", spacing=0.1))
-    s.destroy()
     whole = kept.energy.start
     for motion, shown in ((-2e-16 * whole, 0.0), (9e-13 * whole, 0.0), (1e-11 * whole, 1e-11 * whole), (None, None)):
         kept.motion = Range(start=motion, now=motion, low=0.0, low_time=0.0, high=motion, high_time=0.0)
@@ -206,9 +197,9 @@ def column(end_time, rtol=None):
 
 def test_extremes_go_on_over_a_restart(tmp_path):
     """Solved to round-off, as a restarted solver meets a loose tolerance at another iterate."""
-    whole = run(column(0.3, 1e-13), MPI.COMM_SELF, tmp_path / "whole", progress=False)
-    first = run(column(0.2, 1e-13), MPI.COMM_SELF, tmp_path / "parts", progress=False)
-    both = restart(tmp_path / "parts", MPI.COMM_SELF, until=0.3, progress=False)
+    whole = run_alone(column(0.3, 1e-13), tmp_path / "whole")
+    first = run_alone(column(0.2, 1e-13), tmp_path / "parts")
+    both = restart_alone(tmp_path / "parts", until=0.3)
     for name in ("volume_range", "energy_range", "energy_in_motion"):
         for key, value in whole[name].items():
             assert (both[name][key] == (value if isinstance(value, str)
@@ -216,7 +207,7 @@ def test_extremes_go_on_over_a_restart(tmp_path):
     assert both["energy_range"]["high"] >= first["energy_range"]["high"]
 
 
-def test_account_of_an_older_run_is_taken_up(simulated):
+def test_account_of_an_older_run_is_taken_up():
     """It knows volume and energy at the start alone."""
     s = simulated(column(0.3))
     s.solve_start()
@@ -238,13 +229,13 @@ def test_fluid_without_a_surface_is_announced(tmp_path):
     case = without_surface()
     assert "warning" in describe(case) and "no fluid particle is on a free surface" in describe(case)
     assert "warning" not in describe(column(0.3))
-    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(case, tmp_path / "run")
     assert summary["status"] == "completed with warnings"
     assert any("121 particles had no contact with a free surface at the start (of 81 fluid particles and the "
                "walls)" in line for line in summary["warnings"])
 
 
-def test_fluid_without_a_surface_rests_all_the_same(simulated):
+def test_fluid_without_a_surface_rests_all_the_same():
     """p = 0 at one particle of the highest ones, and the weight of the water below it."""
     s = simulated(without_surface())
     assert s.solve_start() == 121

@@ -7,17 +7,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Disc, Fluid, Heave, Obstacle, PressureTap, ProbeArray, StillWater, SurfaceGauge, Tank, VelocityPoint
+from parisph.base.errors import SolverDiverged, exit_code
 from parisph.base.fields import FLUID, SURFACE
-from parisph.driver import probe_gaps, run
-from parisph.driver.diagnostics import LIMITS, advice, heights, of_gauges
+from parisph.driver import probe_gaps
+from parisph.driver.diagnostics import LIMITS, Diagnostics, advice, heights, of_gauges
 from parisph.driver.summary import Account
 from parisph.io import info
 from tests.hard.tanks import swayed
 from tests.lasting import standing
 from tests.lasting.long import Setting
+from tests.scenes import run_alone, scene, simulated
 
 # Waves as they were computed once: no longer than some ten periods, and less if they are steep.
 SHORT = {"surface_rule": "frozen", "gradient": "mixed", "surface_gradient": "harmonic", "wall_rows": "harmonic",
@@ -37,7 +38,7 @@ def wave(depth, periods, preset=None, **values):
 
 def status(case, folder):
     """Return the status of a run, and its warnings as one text."""
-    summary = run(case, MPI.COMM_SELF, folder, progress=False)
+    summary = run_alone(case, folder)
     return summary["status"], "; ".join(summary["warnings"])
 
 
@@ -79,7 +80,7 @@ def test_a_run_that_lost_a_good_part_of_its_water_does_not_read_as_completed(tmp
     """The loss is the first warning, and the last line; probes say that they were touched."""
     probes = [SurfaceGauge("g", at=0.1), VelocityPoint("v", at=(0.3, 0.2)), PressureTap("tap", at=(0.0, 0.1))]
     case = swayed(0.55, 0.3, lid=False, end=0.9).changed(**{"numerics.spacing": 0.05}, probes=probes)
-    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(case, tmp_path / "run")
     left, share = summary["left"]["particles"], summary["left"]["volume"] / 0.5
     assert share > 0.1 and summary["status"] == f"completed with warnings: {share:.0%} of the water has left"
     assert summary["warnings"][0].startswith(f"{left} of 190 particles, {share - 1e-6:.2%} of the water, left")
@@ -110,7 +111,7 @@ def test_probes_that_were_emptied_or_out_of_the_water_are_named():
         "v": "no value, outside the fluid, in 20% of its samples, first at t = 2 s"}
 
 
-def test_energy_in_motion_is_judged_by_the_surface(simulated):
+def test_energy_in_motion_is_judged_by_the_surface():
     """Particles that are moved inside change the whole energy, and no wave; a surface that rises does."""
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
@@ -133,7 +134,7 @@ def test_energy_in_motion_is_judged_by_the_surface(simulated):
     assert any("the energy was +" in line for line in account.warnings())
 
 
-def test_a_restart_knows_what_was_seen(simulated):
+def test_a_restart_knows_what_was_seen():
     s = simulated(wave(10.0, 1.0))
     s.solve_start()
     account = Account()
@@ -180,3 +181,31 @@ def test_waves_that_a_body_drives_need_not_be_alike():
 
 def test_limits_are_in_their_ranges():
     assert all(limit.range[0] <= limit.value <= limit.range[1] for limit in LIMITS.values())
+
+
+# -- a flow that explodes: its first rise of energy is told when it comes, and the run fails soon ----------
+
+
+def test_a_run_that_explodes_says_so_at_once_and_fails_soon(tmp_path):
+    """A surface that keeps its particles cannot break."""
+    case = scene("dam_break", spacing=0.05, surface_rule="frozen")
+    with pytest.raises(SolverDiverged, match="use a smaller spacing") as failed:
+        run_alone(case, tmp_path / "run")
+    assert exit_code(failed.value) == 3 and "energy first rose beyond its limit at t = 0." in str(failed.value)
+    log = (tmp_path / "run" / "run.log").read_text()
+    told = [line for line in log.splitlines() if "WARNING" in line and "the energy was +" in line]
+    assert len(told) == 2, "once when the limit is passed, and in the end with the greatest value"
+    assert float(told[0].partition("+")[2].partition("%")[0]) < float(told[1].partition("+")[2].partition("%")[0])
+
+
+@pytest.mark.parametrize("driven, start, kinetic, fails", [
+    (False, 2.0, 210.0, True), (False, 2.0, 190.0, False), (True, 2.0, 210.0, False), (False, 0.0, 210.0, False),
+    (False, 2.0, None, False)])
+def test_only_energy_without_a_source_is_an_explosion(driven, start, kinetic, fails):
+    conservation = SimpleNamespace(driven=driven, energy=SimpleNamespace(start=start),
+                                   kinetic=SimpleNamespace(now=kinetic))
+    checks = SimpleNamespace(conservation=conservation, _preset="gentle")
+    if not fails:
+        return Diagnostics.check(checks)
+    with pytest.raises(SolverDiverged, match='105 times all energy.*smaller spacing.*preset="violent"'):
+        Diagnostics.check(checks)

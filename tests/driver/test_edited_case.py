@@ -4,14 +4,12 @@ import json
 import shutil
 
 import pytest
-from mpi4py import MPI
 
-from parisph import CaseError, StoreError, driver
-from parisph import run as run_case
+from parisph import CaseError, StoreError
 from parisph.io.reader import open_run
-from tests.scenes import scene
+from tests.launch import contents
+from tests.scenes import restart_alone, run_alone, scene
 
-COMM = MPI.COMM_SELF
 END = 0.02
 
 
@@ -21,7 +19,7 @@ def ended(tmp_path_factory):
     folder = tmp_path_factory.mktemp("edited") / "run"
     case = scene("dam_break", spacing=0.25).changed(**{"end_time": END, "numerics.time_step": 0.002,
                                                        "output.every": 0.01})
-    run_case(case, COMM, folder, progress=False)
+    run_alone(case, folder)
     return folder
 
 
@@ -46,13 +44,9 @@ def edit(run, /, seal=False, **values):
     return text
 
 
-def files(run):
-    return {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "run.log"}
-
-
 def test_edits_of_end_and_output_are_taken_and_the_edited_text_is_kept(run):
     text = edit(run, end_time=0.03, title="Longer", output__every=0.005)
-    driver.restart(run, COMM, progress=False)
+    restart_alone(run)
     found = open_run(run)
     assert found.case["end_time"] == 0.03 and found.case["title"] == "Longer" and found.steps["time"][-1] > 0.0295
     assert [round(time, 9) for time in found.times] == [0.0, 0.01, 0.02, 0.024, 0.03]    # of the nearest steps
@@ -61,7 +55,7 @@ def test_edits_of_end_and_output_are_taken_and_the_edited_text_is_kept(run):
     assert f"{run}/case.json was edited, and the restart goes on with end_time = 0.03" in log
     assert f"has no digest, as after an edit: it is written again, and a copy is in {run}/replaced/1" in log
     with pytest.raises(CaseError, match="ask for more with --until"):    # the edit has become the run's own case
-        driver.restart(run, COMM, progress=False)
+        restart_alone(run)
 
 
 @pytest.mark.parametrize("values", [
@@ -70,7 +64,7 @@ def test_edits_of_end_and_output_are_taken_and_the_edited_text_is_kept(run):
 ])
 def test_until_goes_before_an_edited_end_and_other_edits_that_are_taken(run, values):
     edit(run, **values)
-    assert driver.restart(run, COMM, until=0.024, progress=False)["time"] == pytest.approx(0.024)
+    assert restart_alone(run, until=0.024)["time"] == pytest.approx(0.024)
 
 
 @pytest.mark.parametrize(("values", "says"), [
@@ -83,11 +77,11 @@ def test_until_goes_before_an_edited_end_and_other_edits_that_are_taken(run, val
 @pytest.mark.parametrize("elsewhere", [False, True])
 def test_other_edits_are_refused_with_two_remedies(run, tmp_path, values, says, elsewhere):
     edit(run, **values)
-    before = files(run)
+    before = contents(run, but="run.log")
     with pytest.raises(CaseError, match=f"(?s)case.json was edited: {says}.*\\.\nA restart takes edits of end_time, "
                                         ".*from its start: parisph run .*case.json -o DIR\n.*move"):
-        driver.restart(run, COMM, until=0.03, progress=False, out=tmp_path / "other" if elsewhere else None)
-    assert files(run) == before and not (tmp_path / "other").exists()
+        restart_alone(run, until=0.03, out=tmp_path / "other" if elsewhere else None)
+    assert contents(run, but="run.log") == before and not (tmp_path / "other").exists()
 
 
 def test_the_remedies_of_a_refusal_work(run, tmp_path):
@@ -95,18 +89,18 @@ def test_the_remedies_of_a_refusal_work(run, tmp_path):
     from parisph import load
     assert load(run / "case.json").density == 900.0
     (run / "case.json").rename(tmp_path / "mine.json")
-    driver.restart(run, COMM, until=0.022, progress=False)
+    restart_alone(run, until=0.022)
     assert open_run(run).case["fluid"]["density"] == 1000.0
 
 
 def test_a_digest_that_does_not_fit_says_what_to_do(run):
     edit(run, seal=True, end_time=0.03)
-    before = files(run)
+    before = contents(run, but="run.log")
     with pytest.raises(StoreError, match='does not match its digest, or it was edited: then remove the line "digest"'):
-        driver.restart(run, COMM, progress=False)
-    assert files(run) == before
+        restart_alone(run)
+    assert contents(run, but="run.log") == before
     edit(run)    # as it says
-    assert driver.restart(run, COMM, progress=False)["time"] == pytest.approx(0.03)
+    assert restart_alone(run)["time"] == pytest.approx(0.03)
 
 
 def test_what_parisph_wrote_itself_is_no_edit(run):
@@ -114,7 +108,7 @@ def test_what_parisph_wrote_itself_is_no_edit(run):
     from parisph.base.json_digest import with_digest
     content = json.loads((run / "case.json").read_text())
     (run / "case.json").write_text(json.dumps(with_digest({**content, "end_time": 0.024})))
-    assert driver.restart(run, COMM, progress=False)["time"] == pytest.approx(0.024)
+    assert restart_alone(run)["time"] == pytest.approx(0.024)
     assert not (run / "replaced" / "1" / "case.json").exists()
 
 
@@ -126,10 +120,10 @@ def test_what_parisph_wrote_itself_is_no_edit(run):
     ({"end_time": 0.01}, "is of 0.02 s already")])
 def test_an_edit_that_is_wrong_is_named(run, values, says):
     edit(run, **values)
-    before = files(run)
+    before = contents(run, but="run.log")
     with pytest.raises((CaseError, StoreError), match=says):
-        driver.restart(run, COMM, progress=False)
-    assert files(run) == before
+        restart_alone(run)
+    assert contents(run, but="run.log") == before
 
 
 def test_the_line_of_the_digest_can_be_removed_as_the_message_says(run):
@@ -138,5 +132,5 @@ def test_the_line_of_the_digest_can_be_removed_as_the_message_says(run):
     kept = [line.replace('"end_time": 0.02', '"end_time": 0.03') for line in lines if '"digest":' not in line]
     assert len(kept) == len(lines) - 1 and kept != [line for line in lines if '"digest":' not in line]
     path.write_text("".join(kept))
-    driver.restart(run, COMM, progress=False)
+    restart_alone(run)
     assert open_run(run).case["end_time"] == 0.03

@@ -5,14 +5,12 @@ from time import process_time
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import driver
 from parisph.case import scales, waves
 from parisph.case.schema import Sway
 from parisph.driver import cost, describe
 from parisph.driver.estimate import estimated_steps
-from tests.scenes import scene, water
+from tests.scenes import run_alone, scene, simulated, water
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +39,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_steps_and_seconds_of_real_runs(name, simulated):
+def test_steps_and_seconds_of_real_runs(name):
     """Within a factor of 2.5 for the steps and of 3 for the cost of one; CPU time, as the machine may be busy."""
     simulation = simulated(CASES[name]())
     simulation.solve_start()
@@ -63,12 +61,11 @@ def test_steps_of_a_steep_gentle_wave_are_those_of_its_strain(phase):
     wave = waves.StandingWave(amplitude=0.05, length=1.0, depth=0.5, phase=phase)
     case = water((1.0, 0.5), (1.0, 0.8), dict(preset="gentle", spacing=0.05), wave=wave,
                  end_time=0.5 * np.pi / wave.omega)
-    simulation, taken = driver.Simulation(case, MPI.COMM_SELF), []
+    simulation, taken = simulated(case), []
     while not simulation.finished():
         simulation.advance()
         taken.append(simulation.dt)
     steps = estimated_steps(case, case.numerics.resolved(), scales.expected(case))
-    simulation.destroy()
     last = case.end_time / min(taken)    # as all steps of the wave are, once its strain is seen
     assert last / 1.3 < steps < 1.3 * last
 
@@ -172,6 +169,6 @@ def test_a_cache_that_cannot_be_written_is_no_error(monkeypatch, tmp_path, numer
 def test_a_run_keeps_what_it_cost(monkeypatch, cache, tmp_path):
     monkeypatch.setattr(cost, "LEAST", 0.0)
     case = scene("dam_break", spacing=0.1, end_time=0.2)
-    driver.run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    run_alone(case, tmp_path / "run")
     run, = json.loads(cache.read_text())
     assert run["particles"] == 130 and 0.0 < run["seconds"] < 1.0

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from parisph import CaseError, StoreError, load, run
 from parisph import __main__ as entry
 from parisph.io import checkpoint
-from tests.launch import mpirun
+from tests.launch import contents, mpirun
 
 CASE = '''
 from parisph import Box, Case, Energy, Fluid, Numerics, Output, PressureTap, Tank, Volume
@@ -36,6 +36,14 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "wild.py").write_text(CASE)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def short(folder, capfd):
+    """The two checkpoints of a run of .02 s in that folder."""
+    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+    capfd.readouterr()
+    return checkpoint.paths("run/checkpoints")
 
 
 def fails(words, capfd, code, ranks=1):
@@ -179,13 +187,6 @@ def test_bad_case_is_refused_before_any_work(folder, capfd, words, says):
     assert not os.path.exists("run")
 
 
-def test_folder_of_another_run_is_left_alone(folder, capfd):
-    (folder / "run").mkdir()
-    (folder / "run" / "case.json").write_text("{}")
-    assert "run holds a run already" in fails(["run", "wild.py", "-o", "run"], capfd, 2)
-    assert os.listdir("run") == ["case.json"]
-
-
 @pytest.mark.parametrize(("out", "ranks"), [("wild.py/run", 1), ("wild.py/run", 2), ("/proc/run", 1)])
 def test_folder_that_cannot_be_written(folder, capfd, out, ranks):
     said = fails(["run", "wild.py", "-o", out], capfd, 5, ranks)
@@ -201,19 +202,13 @@ def test_nothing_to_restart(folder, capfd, words, code, says):
     assert says in fails(words, capfd, code)
 
 
-def test_restart_of_what_is_finished(folder, capfd):
-    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
-    capfd.readouterr()
+def test_restart_of_what_is_finished(folder, short, capfd):
     before = {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")}
     assert "ask for more with --until" in fails(["restart", "run"], capfd, 2)
     assert "end_time" in fails(["restart", "run", "--until", "-1"], capfd, 2)
     assert "--until" in fails(["restart", "run", "--until", "nan"], capfd, 2)
     assert "/proc/run" in fails(["restart", "run", "--until", "0.03", "-o", "/proc/run"], capfd, 5)
     assert {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")} == before
-
-
-def contents(folder):
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -225,7 +220,7 @@ def test_restart_removes_no_results(folder, capfd, ranks):
     before = contents(folder)
     assert "other holds a run already" in fails(["restart", "run", "--until", "0.05", "-o", "other"], capfd, 2, ranks)
     older, last = checkpoint.paths("run/checkpoints")
-    for words in ([], ["-o", "run"], ["-o", "other/../run"]):
+    for words in ([], ["-o", "run"], ["-o", "other/../run"])[:3 if ranks == 1 else 1]:
         said = fails(["restart", str(older), "--until", "0.02", *words], capfd, 2, ranks)
         assert str(older) in said and str(last) in said and "-o DIR" in said
     assert contents(folder) == before
@@ -243,10 +238,8 @@ def alter(path):
 
 
 @pytest.mark.parametrize(("damage", "ranks"), [(cut_short, 1), (alter, 1), (alter, 2)])
-def test_damaged_checkpoint_names_the_sound_one_and_how_to_take_it(folder, capfd, damage, ranks):
-    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
-    capfd.readouterr()
-    older, last = checkpoint.paths("run/checkpoints")
+def test_damaged_checkpoint_names_the_sound_one_and_how_to_take_it(folder, short, capfd, damage, ranks):
+    older, last = short
     damage(last)
     said = fails(["restart", "run", "--until", "0.03"], capfd, 5, ranks)
     assert str(last) in said and f"the newest sound one beside it is {older}: parisph restart {older} -o DIR" in said
@@ -256,16 +249,13 @@ def test_damaged_checkpoint_names_the_sound_one_and_how_to_take_it(folder, capfd
     assert "sound" not in fails(["restart", "run", "--until", "0.03"], capfd, 5)
 
 
-def test_damaged_older_checkpoint_names_the_last(folder, capfd):
-    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
-    capfd.readouterr()
-    older, last = checkpoint.paths("run/checkpoints")
+def test_damaged_older_checkpoint_names_the_last(folder, short, capfd):
+    older, last = short
     alter(older)
     assert fails(["restart", str(older)], capfd, 5).endswith(f"parisph restart {last}\n")
 
 
-def test_restart_clears_away_what_a_killed_run_left(folder, capfd):
-    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+def test_restart_clears_away_what_a_killed_run_left(folder, short, capfd):
     for name in (".steps.csv.tmp", ".summary-1.json.tmp", "probes/.tap.csv.tmp", "snapshots/.000001.vtkhdf.tmp",
                  "checkpoints/.00000011.h5.tmp"):
         (folder / "run" / name).touch()
@@ -273,9 +263,7 @@ def test_restart_clears_away_what_a_killed_run_left(folder, capfd):
     assert not list((folder / "run").rglob(".*"))
 
 
-def test_restart_tells_the_folder_of_the_run(folder, capfd):
-    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
-    capfd.readouterr()
-    last = checkpoint.paths("run/checkpoints")[-1]
+def test_restart_tells_the_folder_of_the_run(folder, short, capfd):
+    last = short[-1]
     assert entry.main(["restart", str(last), "-q", "--until", "0.03"]) == 0
     assert "folder          run\n" in capfd.readouterr().out

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import CaseError, driver, load
+from parisph import CaseError, load
 from parisph import __main__ as entry
 from parisph.io import checkpoint, reader, snapshot
 from tests.owned_rows import OwnedRows
+from tests.scenes import run_alone
 
 CASE = '''
 from parisph import Box, Case, Energy, Fluid, Numerics, Output, Tank
@@ -36,8 +37,8 @@ def finished(tmp_path_factory):
 
 @pytest.fixture
 def run(finished, tmp_path, monkeypatch, capfd):
-    """A copy of that run, in the current folder."""
-    shutil.copytree(finished, tmp_path / "run")
+    """A copy of that run beside its case, in the current folder."""
+    shutil.copytree(finished.parent, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     capfd.readouterr()
     return tmp_path / "run"
@@ -69,11 +70,6 @@ def test_killed_before_its_summary(run):
     assert last.stat().st_mtime_ns == written
     for name in ("energy_drift", "volume_drift", "particles", "run"):
         assert after[name] == pytest.approx(before[name]) if name != "run" else after[name] == before[name]
-
-
-def test_a_complete_run_stays_as_it_is(run, capfd):
-    assert restart() == 2
-    assert "ask for more with --until" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("left", [
@@ -320,7 +316,6 @@ def test_a_case_of_a_newer_release_is_refused_in_plain_words(run, capfd):
 
 
 def test_overwrite_moves_the_old_run_aside(run, capfd):
-    (run.parent / "small.py").write_text(CASE)
     before = {path.relative_to(run): path.read_bytes() for path in run.rglob("*") if path.is_file()}
     words = ["run", "small.py", "-o", "run", "-q", "--set", "end_time=0.004"]
     assert entry.main(words) == 2
@@ -338,7 +333,6 @@ def test_overwrite_moves_the_old_run_aside(run, capfd):
 
 
 def test_a_folder_behind_a_link_is_moved_aside_under_its_own_name(run):
-    (run.parent / "small.py").write_text(CASE)
     (run.parent / "links").mkdir()
     (run.parent / "links" / "here").symlink_to(run)
     assert entry.main(["run", "small.py", "-o", "links/here", "-q", "--overwrite"]) == 0
@@ -346,10 +340,9 @@ def test_a_folder_behind_a_link_is_moved_aside_under_its_own_name(run):
 
 
 def test_a_script_is_told_how_to_move_the_old_run_aside(run):
-    (run.parent / "small.py").write_text(CASE)
     with pytest.raises(CaseError, match=r"run holds a run already: give another folder .* \(in Python: "
                                         r"overwrite=True\)"):
-        driver.run(load("small.py"), MPI.COMM_SELF, "run", progress=False)
+        run_alone(load("small.py"), "run")
 
 
 OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.hdf.series", "checkpoints/00000020.h5",
@@ -358,7 +351,6 @@ OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.h
 
 @pytest.mark.parametrize("name", OCCUPIED)
 def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, capfd):
-    (run.parent / "small.py").write_text(CASE)
     theirs = run.parent / "theirs" / name
     theirs.parent.mkdir(parents=True)
     theirs.write_text("theirs")
@@ -377,7 +369,6 @@ def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, cap
 
 
 def test_a_link_and_a_run_without_its_case_are_in_the_way_too_but_empty_folders_are_not(run, capfd):
-    (run.parent / "small.py").write_text(CASE)
     (run / "case.json").unlink()
     (run.parent / "linked").mkdir()
     (run.parent / "linked" / "steps.csv").symlink_to("nowhere")
@@ -392,7 +383,6 @@ def test_a_link_and_a_run_without_its_case_are_in_the_way_too_but_empty_folders_
 
 
 def test_the_current_folder_is_not_moved_aside(run, monkeypatch, capfd):
-    (run.parent / "small.py").write_text(CASE)
     monkeypatch.chdir(run / "probes")
     before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
     for out in (".", ".."):
@@ -407,7 +397,6 @@ def test_a_folder_in_use_is_refused(run, capfd):
     from parisph.io.lock import Lock
 
     held = Lock(run)
-    (run.parent / "small.py").write_text(CASE)
     for words in (["restart", "run", "--until", "0.03"], ["run", "small.py", "-o", "run", "--overwrite"]):
         assert entry.main(words) == 5
         said = capfd.readouterr().err

@@ -8,11 +8,12 @@ from mpi4py import MPI
 
 from parisph import Box, Case, CaseError, Fluid, Flux, Numerics, Output, Plate, ProbeArray, Tank
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation, restart, run
+from parisph.driver import Simulation
 from parisph.io import info, reader
 from parisph.report import events as told
 from parisph.truth.overtopping import events
 from parisph.watch.passages import passed
+from tests.scenes import restart_alone, run_alone
 from tests.watched import Watch, scene
 
 OVER = Flux("over", start=(0.5, 0.2), end=(0.5, 1.0), pause=0.2)
@@ -70,9 +71,9 @@ def test_what_passed_a_line_is_what_lies_behind_it(method):
 
 
 def test_it_goes_on_over_a_restart_and_is_told(tmp_path):
-    whole = run(over_a_plate(0.4), MPI.COMM_SELF, tmp_path / "whole", progress=False)
-    run(over_a_plate(0.36), MPI.COMM_SELF, tmp_path / "parts", progress=False)
-    summary = restart(tmp_path / "parts", MPI.COMM_SELF, until=0.4, progress=False)
+    whole = run_alone(over_a_plate(0.4), tmp_path / "whole")
+    run_alone(over_a_plate(0.36), tmp_path / "parts")
+    summary = restart_alone(tmp_path / "parts", until=0.4)
     found = summary["passed"]["over"]
     assert found["total"] > found["events"][0]["volume"] * 0.999 > 0.0
     assert found["total"] == pytest.approx(whole["passed"]["over"]["total"], rel=1e-12)

@@ -4,25 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.case.stored import to_json
-from parisph.driver.simulation import Simulation
 from parisph.io.checkpoint import Checkpoint
-from tests.scenes import scene
-
-
-@pytest.fixture
-def made():
-    simulations = []
-
-    def new(case, start=None):
-        simulations.append(Simulation(case, MPI.COMM_SELF, start=start))
-        return simulations[-1]
-
-    yield new
-    for simulation in simulations:
-        simulation.destroy()
+from tests.scenes import scene, simulated
 
 
 def saved(s):
@@ -33,8 +18,8 @@ def saved(s):
                       p.dim, arrays, 0, p.n_owned)
 
 
-def test_a_step_begins_with_up_to_three_guesses(made, monkeypatch):
-    s = made(scene("standing_wave", spacing=0.1))
+def test_a_step_begins_with_up_to_three_guesses(monkeypatch):
+    s = simulated(scene("standing_wave", spacing=0.1))
     shapes, solve = [], s.method.solver.solve
     monkeypatch.setattr(s.method.solver, "solve", lambda *arrays, **options: (
         shapes.append(arrays[4].shape), solve(*arrays, **options))[1])
@@ -46,16 +31,14 @@ def test_a_step_begins_with_up_to_three_guesses(made, monkeypatch):
 
 
 @pytest.mark.parametrize("known", [True, False])
-def test_a_restart_guesses_as_the_run_would_have_done(made, known):
-    s = made(scene("standing_wave", spacing=0.1))
-    for _ in range(4):
-        s.advance()
+def test_a_restart_guesses_as_the_run_would_have_done(known):
+    s = simulated(scene("standing_wave", spacing=0.1), 4)
     start = saved(s)
     if not known:    # as in checkpoints of earlier versions
         for name in ("p_before", "p_earlier", "p_earliest"):
             del start.arrays[name]
         del start.state["pressure_times"]
-    again = made(s.case, start)
+    again = simulated(s.case, start=start)
     time = s.time + 0.5 * s.dt
     due, found = (one.method.guesses.at(one.particles, time) for one in (s, again))
     order, other = np.argsort(s.particles.id), np.argsort(again.particles.id)

@@ -6,10 +6,8 @@ import json
 import re
 
 import pytest
-from mpi4py import MPI
 
-from parisph import Roll, StoreError, driver, load
-from parisph import run as run_case
+from parisph import Roll, StoreError, load
 from parisph.base.json_digest import with_digest, without_digest
 from parisph.case.stored import from_json, to_json
 from parisph.io import info
@@ -17,8 +15,8 @@ from parisph.io.files import read_json
 from parisph.io.reader import open_run
 from parisph.report import conditions, page
 from tests.launch import ROOT, parisph
+from tests.scenes import restart_alone, run_alone
 
-COMM = MPI.COMM_SELF
 FILE = """
 from parisph import Airy, Box, Case, Energy, Fluid, Numerics, Sway, Tank
 def case(depth: float = 0.5, amplitude: float = 0.01, preset: str = "gentle", pair: tuple[float, float] = (1.0, 2.0)):
@@ -35,7 +33,7 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("made")
     (folder / "swayed.py").write_text(FILE)
     parisph("run", "swayed.py", "--set", "amplitude=0.03", "-o", "first", "-q", cwd=folder)
-    run_case(load(folder / "first" / "case.json"), COMM, folder / "second", progress=False)
+    run_alone(load(folder / "first" / "case.json"), folder / "second")
     return folder
 
 
@@ -64,8 +62,8 @@ def test_a_run_of_a_stored_case_says_so_and_keeps_the_parameters(place):
 
 def test_a_run_that_no_case_file_has_made_is_repeated(place, tmp_path):
     """As that of a script, or of an earlier release."""
-    run_case(load(place / "swayed.py").of({}), COMM, tmp_path / "first", progress=False)
-    run_case(load(tmp_path / "first" / "case.json"), COMM, tmp_path / "second", progress=False)
+    run_alone(load(place / "swayed.py").of({}), tmp_path / "first")
+    run_alone(load(tmp_path / "first" / "case.json"), tmp_path / "second")
     log = (tmp_path / "second" / "run.log").read_text()
     assert re.search("the case is that of the run [0-9a-f]{16} in .*first/case.json\n", log)
     assert "made by an unknown case file" in info.describe(open_run(tmp_path / "second"))
@@ -97,7 +95,7 @@ def test_a_restart_adds_itself_and_the_record_survives_the_loss_of_case_json(pla
     second = place / "second"
     before = open_run(second).made
     (second / "case.json").unlink()
-    driver.restart(second, COMM, until=0.03, progress=False)
+    restart_alone(second, until=0.03)
     made = open_run(second).made
     assert {**before, "restarts": made["restarts"]} == made and len(made["restarts"]) == 1
     assert made["restarts"][0]["date"] >= before["date"] and "restarted " in info.describe(open_run(second))

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import StoreError, driver
+from parisph import StoreError
 from parisph.io import checkpoint, info, snapshot
 from parisph.io.reader import open_run
 from parisph.pictures import overview
 from tests.launch import ROOT
+from tests.scenes import restart_alone
 
 ALL = sorted(path.name.partition(".")[0] for path in (ROOT / "tests" / "old_runs").glob("*.tar.xz"))
 WITHOUT_VOLUMES, WITHOUT_DIGESTS = ALL[0], "2026-11-21-ac580d7"    # the commits that have made them
@@ -46,7 +47,7 @@ def test_a_run_of_an_earlier_release_is_read_whole(old, caplog, request):
 @pytest.mark.parametrize("old", ALL[2::2], indirect=True)    # and WITHOUT_DIGESTS below
 def test_a_run_of_an_earlier_release_goes_on(old):
     before = open_run(old).steps["dt"]
-    summary = driver.restart(old, MPI.COMM_SELF, until=0.06, progress=False)
+    summary = restart_alone(old, until=0.06)
     run = open_run(old)
     run.check()
     assert summary["status"].startswith("completed") and summary["steps"] == 6
@@ -62,7 +63,7 @@ def test_what_cannot_go_on_names_the_version_that_can_and_a_remedy(tmp_path):
     before = {path: path.read_bytes() for path in old.rglob("*") if path.is_file()}
     with pytest.raises(StoreError, match=r"lacks the volumes of its particles.* git checkout 6d557b4\n"
                                          rf"To repeat the run with this one: parisph run {old}/case.json"):
-        driver.restart(old, MPI.COMM_SELF, until=0.06, progress=False)
+        restart_alone(old, until=0.06)
     assert {path: path.read_bytes() for path in old.rglob("*") if path.is_file()} == before
 
 
@@ -72,7 +73,7 @@ def test_columns_that_have_gone_are_kept_in_a_copy(tmp_path):
     steps.write_text("".join(f"{line},{'gone' if line.startswith('time') else 7}\n"
                              for line in steps.read_text().splitlines() if not line.startswith("#")))
     before = steps.read_bytes()
-    driver.restart(old, MPI.COMM_SELF, until=0.05, progress=False)
+    restart_alone(old, until=0.05)
     assert "gone" not in open_run(old).steps.dtype.names
     assert any(path.read_bytes() == before for path in old.glob("replaced/*/steps.csv"))
 

@@ -1,6 +1,5 @@
 """Water that leaves an open tank over its rim is removed and counted, on any number of ranks and over a restart."""
 
-import json
 
 import numpy as np
 import pytest
@@ -11,7 +10,8 @@ from parisph.base.fields import FLUID
 from parisph.driver import wall_penetration
 from parisph.geometry.rims import rims_of
 from parisph.io import reader
-from tests.scenes import assert_same, on_one_and_more, on_two_and_then, water
+from tests.running import last_checkpoint
+from tests.scenes import assert_same, on_ranks, simulated, water
 
 
 def pouring(end_time=0.2, **output):
@@ -20,7 +20,7 @@ def pouring(end_time=0.2, **output):
                  velocity=(3.0, 3.0), output=Output(**output), probes=[Energy("energy")], end_time=end_time)
 
 
-def test_every_particle_is_in_the_tank_or_counted(simulated):
+def test_every_particle_is_in_the_tank_or_counted():
     s = simulated(pouring())
     fluid = np.count_nonzero(s.particles.kind == FLUID)
     volume, walls = s.particles.volume.sum(), s.particles.n_global - fluid
@@ -38,7 +38,7 @@ def test_every_particle_is_in_the_tank_or_counted(simulated):
     assert before > 10 and len(np.unique(s.particles.id)) == s.particles.n_global
 
 
-def test_energy_leaves_with_the_water(simulated):
+def test_energy_leaves_with_the_water():
     s = simulated(pouring())
     s.advance()
     p = s.particles
@@ -54,7 +54,7 @@ def test_energy_leaves_with_the_water(simulated):
     (slice(3, 4), (1.3, 0.2), "outside the tank, but not over its rim"),
     (slice(None), (1.3, 0.9), "all water has left the tank"),
 ])
-def test_a_loss_through_a_wall_or_of_all_water_is_an_error(simulated, which, at, says):
+def test_a_loss_through_a_wall_or_of_all_water_is_an_error(which, at, says):
     s = simulated(pouring())
     s.advance()
     p = s.particles
@@ -63,7 +63,7 @@ def test_a_loss_through_a_wall_or_of_all_water_is_an_error(simulated, which, at,
         s._open_tank.let_leave(s.domain)
 
 
-def test_water_flows_over_the_rim(simulated):
+def test_water_flows_over_the_rim():
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
     case = water((1.0, 0.5), (1.0, 0.5), 0.05, gravity=(2.0, -9.6), end_time=1.5)
     s = simulated(case)
@@ -75,43 +75,35 @@ def test_water_flows_over_the_rim(simulated):
     assert p.volume.sum() + s.left.volume == pytest.approx(volume, rel=1e-12)
 
 
+# one launch: first two ranks beside one alone, then all three, and one that goes on
 RANKS = """
+from parisph import driver
 from tests.driver.test_overflow import pouring
-s = Simulation(pouring(), comm)
-for _ in range(45):
-    s.advance()
-found = s.gather("x", "u", "p", "role", "id")
+some = comm.Split(0 if comm.rank < 2 else 1)
+driver.run(pouring(), some, f"{some.size}", progress=False)
+if some.size == 2:
+    driver.run(pouring(0.1), some, "part", progress=False)
+comm.Barrier()
+driver.run(pouring(), comm, "3", progress=False)
 if comm.rank == 0:
-    np.savez(f"{comm.size}.npz", left=list(vars(s.left).values()), **found)
-s.destroy()
-"""
-FIRST = """
-driver.run(pouring(), comm, "whole", progress=False)
-driver.run(pouring(0.1), comm, "part", progress=False)
+    driver.restart("part", MPI.COMM_SELF, until=0.2, progress=False)
 """
 
 
-def test_ranks_agree(tmp_path):
-    on_one_and_more(RANKS, tmp_path)
-    one = np.load(tmp_path / "1.npz")
-    assert one["left"][0] > 0
-    for n in (2, 3):
-        more = np.load(tmp_path / f"{n}.npz")
-        np.testing.assert_array_equal(more["id"], one["id"])
-        np.testing.assert_allclose(more["left"], one["left"], rtol=1e-9)
-        assert_same(one, more, 1e-8)
-
-
-def test_a_restart_goes_on_counting(tmp_path):
-    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_overflow import pouring", FIRST,
-                    'driver.restart("part", comm, until=0.2, progress=False)', tmp_path)
-    whole, part = (reader.open_run(tmp_path / name) for name in ("whole", "part"))
-    np.testing.assert_array_equal(part.steps["left"], whole.steps["left"])
-    a, b = whole.summary, part.summary
-    assert a["left"]["particles"] == b["left"]["particles"] == whole.steps["left"][-1] > 10
-    assert b["left"]["energy"] == pytest.approx(a["left"]["energy"], rel=1e-6)
-    assert b["energy_drift"] == pytest.approx(a["energy_drift"], abs=1e-6)
-    assert json.loads((tmp_path / "part" / "summary.json").read_text())["particles"] == a["particles"]
+def test_ranks_agree_and_a_restart_goes_on_counting(tmp_path):
+    on_ranks(3, RANKS, tmp_path)
+    whole, due = reader.open_run(tmp_path / "1"), last_checkpoint(tmp_path / "1")[1]
+    a = whole.summary
+    assert a["left"]["particles"] == whole.steps["left"][-1] > 10
+    for name in ("2", "3", "part"):
+        found, more = reader.open_run(tmp_path / name), last_checkpoint(tmp_path / name)[1]
+        np.testing.assert_array_equal(more["id"], due["id"])
+        assert_same(due, more, 1e-8)
+        np.testing.assert_array_equal(found.steps["left"], whole.steps["left"])
+        b = found.summary
+        assert b["left"] == pytest.approx(a["left"], rel=1e-6 if name == "part" else 1e-9)
+        assert b["particles"] == a["particles"]
+        assert b["energy_drift"] == pytest.approx(a["energy_drift"], abs=1e-6)
 
 
 OUT = Obstacle(Box(0.4, 0.2, at=(0.9, 0.0)), name="block")    # it sticks out of the side of the tank
@@ -140,7 +132,7 @@ def test_water_over_a_wavemaker_has_left():
     assert face.out(x, 1.0)[0].tolist() == [True, False, False]
 
 
-def test_fluid_in_a_solid_is_an_error(simulated):
+def test_fluid_in_a_solid_is_an_error():
     s = simulated(scene(Tank(1.0, 0.5), OUT))
     p = s.particles
     s.domain.refresh()

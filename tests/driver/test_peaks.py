@@ -11,13 +11,13 @@ from parisph import CaseError, PeakBand, Peaks, PressureTap, SurfaceGauge, Truth
 from parisph.__main__ import main
 from parisph.base.fields import FIELDS
 from parisph.case.schema import Output
-from parisph.driver import restart, run
+from parisph.driver import run
 from parisph.driver.peaks import PeakFlows
 from parisph.io import reader
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests import watched
-from tests.scenes import assert_same, on_two_and_then, scene
+from tests.scenes import assert_same, on_two_and_then, ran, restart_alone, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
@@ -170,14 +170,9 @@ def impact(end_time, **output):
         output=Output(**output))
 
 
-def done(case, folder):
-    run(case, MPI.COMM_SELF, folder, progress=False)
-    return reader.open_run(folder)
-
-
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    return done(impact(2.0), tmp_path_factory.mktemp("whole") / "run")
+    return ran(impact(2.0), tmp_path_factory.mktemp("whole") / "run")
 
 
 def greatest(found, name="P2"):
@@ -200,7 +195,7 @@ def test_the_flow_kept_is_that_of_the_maximum_in_the_series(whole):
 
 def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
     peak = whole.peak("P2")
-    snapshot = done(impact(1.8, times=(peak["time"],)), tmp_path / "run").snapshot(peak["time"])
+    snapshot = ran(impact(1.8, times=(peak["time"],)), tmp_path / "run").snapshot(peak["time"])
     for name in ("x", "u", "p", "role"):
         np.testing.assert_array_equal(peak[name], snapshot[name])
 
@@ -209,21 +204,28 @@ def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
                                                ({}, {"every": 50})])
 def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path, output, probe):
     case = impact(2.0, **output)
-    found = done(case.changed(probes=[one.model_copy(update=probe) for one in case.probes]), tmp_path / "run")
+    found = ran(case.changed(probes=[one.model_copy(update=probe) for one in case.probes]), tmp_path / "run")
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 
 
-@pytest.mark.parametrize("stop", [1.2, 1.9])
-def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, tmp_path, stop):
-    assert (1.2 < whole.peak("P2")["time"] / UNIT < 1.9)
-    on_two_and_then(3, "from parisph import driver\nfrom tests.driver.test_peaks import impact",
-                    f"driver.run(impact({stop}), comm, 'run', progress=False)",
-                    f"if comm.rank == 2:\n"
-                    f"    driver.restart('run', MPI.COMM_SELF, until={2.0 * UNIT!r}, out='elsewhere', progress=False)\n"
-                    f"comm.Barrier()\n"
-                    f"driver.restart('run', comm, until={2.0 * UNIT!r}, progress=False)", tmp_path)
+FIRST = """
+for stop in (1.2, 1.9):
+    driver.run(impact(stop), comm, f"run{stop}", progress=False)
+"""
+THEN = f"""
+for stop in (1.2, 1.9):
+    if comm.rank == 2:
+        driver.restart(f"run{{stop}}", MPI.COMM_SELF, until={2.0 * UNIT!r}, out=f"elsewhere{{stop}}", progress=False)
+    comm.Barrier()
+    driver.restart(f"run{{stop}}", comm, until={2.0 * UNIT!r}, progress=False)
+"""
+
+
+def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, tmp_path):
     due = whole.peak("P2")
-    for folder in ("run", "elsewhere"):
+    assert 1.2 < due["time"] / UNIT < 1.9
+    on_two_and_then(3, "from parisph import driver\nfrom tests.driver.test_peaks import impact", FIRST, THEN, tmp_path)
+    for folder in ("run1.2", "run1.9", "elsewhere1.2", "elsewhere1.9"):
         found = reader.open_run(tmp_path / folder).peak("P2")
         assert found["step"] == due["step"] and found["peak"] == pytest.approx(due["peak"], rel=1e-5)
         assert_same(due, found, 1e-5)
@@ -232,10 +234,10 @@ def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, t
 def test_ends_before_within_and_behind_it_leave_no_trace(whole, tmp_path):
     """At each end the flow kept is that of the series up to there, and of the whole series after the last one."""
     ends = whole.steps["time"][whole.peak("P2")["step"] + np.arange(-3, 5)]
-    done(impact(ends[0] / UNIT), tmp_path / "run")
+    ran(impact(ends[0] / UNIT), tmp_path / "run")
     for until in (*ends[1:], 2.0 * UNIT):
         agrees(reader.open_run(tmp_path / "run"))
-        restart(tmp_path / "run", MPI.COMM_SELF, until=until, progress=False)
+        restart_alone(tmp_path / "run", until=until)
     agrees(reader.open_run(tmp_path / "run"))
 
 
@@ -251,7 +253,7 @@ def test_within_a_window_it_is_the_greatest_there(whole, tmp_path, capsys):
     windows = {"before": series["time"][[k - 60, k - 3]], "behind": series["time"][[k + 3, k + 45]]}
     case = impact(2.0).changed(probes=[probes[0].model_copy(update={"name": name, "truth": Peaks(
         [PeakBand(start=start - 1e-9, end=end + 1e-9, when=start)])}) for name, (start, end) in windows.items()])
-    found = done(case, tmp_path / "run")
+    found = ran(case, tmp_path / "run")
     for name, (start, end) in windows.items():
         inside = (series["time"] >= start) & (series["time"] <= end)
         due = series[inside][np.nanargmax(series["pressure"][inside])]

@@ -6,12 +6,10 @@ middle, to the last digits of the solve.
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Force, Numerics, Output, PressureTap, ProbeArray, SurfaceGauge, Tank
-from parisph.driver import restart, run
 from parisph.io import reader
-from tests.scenes import on_two_and_then
+from tests.scenes import on_two_and_then, ran, restart_alone
 
 SPACING, DEPTH, START, RATE = 0.1, 1.0, 5.0, 40.0     # m, m, m/s^2, m/s^3
 TAP = PressureTap("tap", at=(0.0, 0.2))
@@ -25,11 +23,6 @@ def still(end=0.2, output=None, **numerics):
                 numerics=Numerics(spacing=SPACING, **({"rtol": 1e-12} | numerics)))
 
 
-def done(case, folder):
-    run(case, MPI.COMM_SELF, folder, progress=False)
-    return reader.open_run(folder)
-
-
 def check(tap, load, tolerance=1e-6):
     expected = 1000.0 * (START + RATE * tap["time"])
     np.testing.assert_allclose(tap["pressure"], expected * (DEPTH - 0.2), rtol=tolerance)
@@ -38,7 +31,7 @@ def check(tap, load, tolerance=1e-6):
 
 @pytest.mark.parametrize("numerics", [{"time_step": 0.01, "preset": "gentle"}, {"preset": "violent"}])
 def test_a_pressure_that_grows_evenly_is_exact(tmp_path, numerics):
-    found = done(still(**numerics), tmp_path / "run")
+    found = ran(still(**numerics), tmp_path / "run")
     tap, steps = found.probe("tap"), found.steps
     check(tap[:-1], found.probe("load")[:-1])
     assert tap["time"][0] == 0.0 and len(tap) == len(steps) + 2
@@ -50,7 +43,7 @@ def test_a_pressure_that_grows_evenly_is_exact(tmp_path, numerics):
 
 
 def test_at_a_fixed_rate_too_up_to_the_last_pressure(tmp_path):
-    found = done(still(preset="violent", time_step=0.01, output=Output(probe_interval=0.0007)), tmp_path / "run")
+    found = ran(still(preset="violent", time_step=0.01, output=Output(probe_interval=0.0007)), tmp_path / "run")
     tap, load = found.probe("tap"), found.probe("load")
     np.testing.assert_array_equal(tap["time"], np.arange(len(tap)) * 0.0007)
     known = tap["time"] < found.steps["time"][-1] - 0.005
@@ -60,7 +53,7 @@ def test_at_a_fixed_rate_too_up_to_the_last_pressure(tmp_path):
 
 
 def test_weakly_compressible_pressures_are_of_the_end_of_the_step(tmp_path):
-    found = done(still(end=0.02, method="SPH", rtol=None), tmp_path / "run")
+    found = ran(still(end=0.02, method="SPH", rtol=None), tmp_path / "run")
     assert found.probe("tap")["time"][1:].tolist() == found.steps["time"].tolist()
 
 
@@ -92,7 +85,7 @@ def test_a_restart_goes_on_from_the_times_before(tmp_path, output):
 def test_a_run_that_is_killed_at_its_end_keeps_its_last_samples(tmp_path):
     """Between the last checkpoint and the summary."""
     case = still(preset="violent", time_step=0.01)
-    before = done(case, tmp_path / "run").probe("tap")
+    before = ran(case, tmp_path / "run").probe("tap")
     (tmp_path / "run" / "summary.json").unlink()
-    restart(tmp_path / "run", MPI.COMM_SELF, progress=False)
+    restart_alone(tmp_path / "run")
     assert reader.open_run(tmp_path / "run").probe("tap").tolist() == before.tolist()

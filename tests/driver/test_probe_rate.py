@@ -9,7 +9,7 @@ from parisph.driver import run
 from parisph.driver.probing import Watch, _between
 from parisph.io import reader, series
 from tests.driver.test_restart import BODY
-from tests.scenes import on_two_and_then, scene
+from tests.scenes import on_two_and_then, ran, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 SEVERAL = ProbeArray("several", [RunUp("up", side="left"), Force("load"), VelocityPoint("u", at=(0.2, 0.2))])
@@ -20,8 +20,7 @@ def fall(folder, **output):
     case = scene("dam_break", {"rtol": 1e-13}, spacing=0.1, end_time=0.6,
                  time_step="none", cfl=0.8)
     case = case.changed(probes=[*case.probes, SEVERAL], output=Output(**output))
-    run(case, MPI.COMM_SELF, folder, progress=False)
-    return reader.open_run(folder)
+    return ran(case, folder)
 
 
 @pytest.fixture(scope="module")

@@ -54,23 +54,24 @@ def test_ranks_have_particles_or_none(results):
     assert results["free_drop", 3]["owned"].min() == 0
 
 
+# four ranks, and one of them alone
 ADAPTIVE = """
-s = Simulation(scene("dam_break", {"rtol": 1e-13}, spacing=0.05, time_step="none"), comm)
-s.domain.tolerated = np.inf     # else each rank gets some fluid
-times = []
-for _ in range(5):
-    s.advance()
-    times.append(s.time)
-fluid = comm.gather(int((s.particles.kind == 0).sum()))
-everyone = comm.gather(times)
-if comm.rank == 0:
-    np.savez(f"adaptive-{comm.size}.npz", fluid=fluid, times=everyone)
+for comm in (comm, MPI.COMM_SELF)[:2 if comm.rank == 0 else 1]:
+    s = Simulation(scene("dam_break", {"rtol": 1e-13}, spacing=0.05, time_step="none"), comm)
+    s.domain.tolerated = np.inf     # else each rank gets some fluid
+    times = []
+    for _ in range(5):
+        s.advance()
+        times.append(s.time)
+    fluid = comm.gather(int((s.particles.kind == 0).sum()))
+    everyone = comm.gather(times)
+    if comm.rank == 0:
+        np.savez(f"adaptive-{comm.size}.npz", fluid=fluid, times=everyone)
 """
 
 
 def test_adaptive_step_is_the_same_on_all_ranks_also_without_fluid(tmp_path):
-    for n in (1, 4):
-        on_ranks(n, ADAPTIVE, tmp_path)
+    on_ranks(4, ADAPTIVE, tmp_path)
     one, four = np.load(tmp_path / "adaptive-1.npz"), np.load(tmp_path / "adaptive-4.npz")
     assert four["fluid"].min() == 0, "a rank with walls only"
     assert np.all(four["times"] == four["times"][0])

@@ -3,13 +3,11 @@
 import json
 
 import numpy as np
-from mpi4py import MPI
 
-from parisph.driver import run
-from parisph.io import checkpoint, reader
+from parisph.io import checkpoint
 from parisph.io.snapshot import read_attributes
 from parisph.pressure import options as opts
-from tests.scenes import scene
+from tests.scenes import ran, scene
 
 WORDS = ["-pressure_ksp_gmres_restart", "40", "-pressure_ksp_rtol", "1e-4"]
 
@@ -17,8 +15,7 @@ WORDS = ["-pressure_ksp_gmres_restart", "40", "-pressure_ksp_rtol", "1e-4"]
 def fall(folder, words, **numerics):
     """Run a few steps of a dam break in folder/run and return the Run."""
     case = scene("dam_break", numerics, spacing=0.1, end_time=0.1)
-    run(case, MPI.COMM_SELF, folder / "run", words, progress=False)
-    return reader.open_run(folder / "run")
+    return ran(case, folder / "run", words)
 
 
 def test_every_file_holds_the_options_in_force(tmp_path, monkeypatch):

@@ -11,9 +11,8 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Case, Energy, Fluid, Numerics, PressureTap, ProbeArray, Profiles, Sponge, SurfaceGauge, load, run
+from parisph import Case, Energy, Fluid, Numerics, PressureTap, ProbeArray, Profiles, Sponge, SurfaceGauge, load
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import FLUID, WALL
 from parisph.base.json_digest import with_digest
@@ -24,6 +23,7 @@ from parisph.io.layout import INDEX
 from parisph.io.reader import open_run
 from parisph.report import conditions, energies, gallery, page
 from tests.launch import ROOT, parisph
+from tests.scenes import run_alone
 
 CELL = re.compile(r'<td class="number" data-from="(.*?)" title="(.*?)">(.*?)</td>')
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -35,7 +35,7 @@ def still(folder, **changes):
         "title": "Still", "fluid": Fluid(Box(width=1.0, height=0.4), density=1e3), "gravity": (0.0, -9.81),
         "walls": Tank(width=1.0, height=0.5), "end_time": 0.05,
         "numerics": Numerics(spacing=0.1, preset="gentle", time_step=0.005), **changes})
-    run(case, MPI.COMM_SELF, folder, progress=False)
+    run_alone(case, folder)
     return folder
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from parisph.io import checkpoint, reader
-from tests.launch import mpirun, parisph
+from tests.launch import parisph, succeeded
 from tests.running import FALLING, last_checkpoint, running
 from tests.scenes import assert_same
 
@@ -18,9 +18,7 @@ ENDLESS = ("--set", "end_time=1000")
 
 def restarted(folder, ranks, *words):
     """Restart the run and return its summary."""
-    args = ("restart", "run", "-q", *words)
-    done = parisph(*args, cwd=folder) if ranks == 1 else mpirun(ranks, ["-m", "parisph", *args], cwd=folder)
-    assert done.returncode == 0, done.stderr
+    succeeded(parisph("restart", "run", "-q", *words, ranks=ranks, cwd=folder))
     return json.loads((folder / "run" / "summary.json").read_text())
 
 
@@ -28,8 +26,7 @@ def restarted(folder, ranks, *words):
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
     (folder / "case.py").write_text(FALLING)
-    done = parisph("run", "case.py", "-o", "run", "-q", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    succeeded(parisph("run", "case.py", "-o", "run", "-q", cwd=folder))
     return folder / "run"
 
 

@@ -1,4 +1,4 @@
-"""The limits on an adaptive time step."""
+"""The limits on an adaptive time step: by motions, speeds, strains, and for accuracy by the acceleration."""
 
 from math import pi, sqrt
 
@@ -8,11 +8,14 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.base.errors import SolverDiverged
-from parisph.driver import Simulation, describe
+from parisph.base.fields import FLUID
+from parisph.case.time_scales import flow_length
+from parisph.driver import describe
 from parisph.driver.schedule import SHARING
 from parisph.io import checkpoint
+from parisph.methods import timestep
 from parisph.methods.timestep import STRAIN, first_step
-from tests.scenes import water
+from tests.scenes import scene, simulated, water
 
 PERIOD = 1.0    # [s]
 CFL = 0.8       # of the violent preset
@@ -26,7 +29,7 @@ def swaying(**numerics):
 
 @pytest.mark.parametrize(("numerics", "longest"),
                          [({}, PERIOD / 50), ({"max_time_step": 0.01}, 0.01), ({"time_step": 0.04}, 0.04)])
-def test_adaptive_step_resolves_the_sway(numerics, longest, simulated):
+def test_adaptive_step_resolves_the_sway(numerics, longest):
     s = simulated(swaying(**numerics))
     steps = [s.advance() and s.dt for _ in range(4)]
     assert steps == pytest.approx([longest] * 4)
@@ -41,10 +44,8 @@ def still(gravity=(0.0, 0.0), velocity=(0.0, 0.0), walls=None, end_time=1.0, spa
 
 def steps_of(case, count):
     """Return the first steps [s] of a case."""
-    s = Simulation(case, MPI.COMM_SELF)
-    found = [s.advance().dt for _ in range(count)]
-    s.destroy()
-    return found
+    s = simulated(case)
+    return [s.advance().dt for _ in range(count)]
 
 
 def test_first_step_knows_the_acceleration_to_come():
@@ -54,7 +55,7 @@ def test_first_step_knows_the_acceleration_to_come():
     assert 0.5 < steps[:8].max() / steps[0] < 2.0
 
 
-def test_the_step_does_not_know_when_the_run_ends(simulated):
+def test_the_step_does_not_know_when_the_run_ends():
     """Bit for bit, up to the last steps, which share the way to the end."""
     walls, found = Tank(width=2.0, height=2.0, lid=True), []
     for end_time in (0.3, 0.6):
@@ -95,7 +96,7 @@ def test_force_that_is_almost_nothing_at_the_start(force):
     assert 0.05 < first < 0.5
 
 
-def test_speed_alone_sets_the_step(simulated):
+def test_speed_alone_sets_the_step():
     """Of fluid with an acceleration a, the first step has |u| dt + 10 |a| dt^2 = cfl s."""
     case = still(velocity=(2.0, 0.0))
     assert steps_of(case, 1) == pytest.approx([CFL * 0.1 / 2.0])
@@ -105,7 +106,7 @@ def test_speed_alone_sets_the_step(simulated):
     assert first == pytest.approx(0.02)    # .04 + .04 = .08 m
 
 
-def test_restart_at_the_start_has_the_same_first_step(tmp_path, simulated):
+def test_restart_at_the_start_has_the_same_first_step(tmp_path):
     case = still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True))
     s = simulated(case)
     s.solve_start()
@@ -115,9 +116,103 @@ def test_restart_at_the_start_has_the_same_first_step(tmp_path, simulated):
     assert s.advance().dt == first
 
 
-def test_flow_out_of_hand_is_named(simulated):
+def test_flow_out_of_hand_is_named():
     s = simulated(still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True)))
     s.advance()
     s.particles.u[0] = [1e7, 0.0]
     with pytest.raises(SolverDiverged, match=r"1e\+07 m/s.*far too fast"):
         s.advance()
+
+
+# -- accuracy -----------------------------------------------------------------------------------------
+
+SPACING, G = 0.05, 9.81
+
+
+def column(**numerics):
+    return water((0.5, 1.0), (2.0, 2.0), dict(spacing=SPACING, **numerics), gravity=(0.0, -G))
+
+
+def largest(case, count):
+    """Return the largest of the first steps of a case [s]."""
+    return max(steps_of(case, count))
+
+
+def test_water_that_is_set_in_motion_has_short_steps():
+    limit = 0.05 * sqrt(SPACING / G)
+    assert largest(column(), 25) == pytest.approx(limit)
+    assert largest(column(fall=0.025), 25) == pytest.approx(0.5 * limit)
+    assert largest(column(fall=0.0), 25) > 1.5 * limit
+
+
+def test_an_impact_has_shorter_steps():
+    """By the acceleration of the fluid as a whole, not by that of its fastest particle alone, nor below LEAST_MOVE."""
+    s = simulated(column())
+
+    def step(mean, largest=1000.0 * G):
+        return timestep.next_step(s.method.flow, G, accelerations=(largest, mean))
+    calm = 0.05 * sqrt(SPACING / G)
+    assert step(0.5 * G) == pytest.approx(calm)
+    assert step(0.0, 0.24 * G) == pytest.approx(calm / 0.6)    # 1.5 times the largest counts, up to the force
+    assert step(12.8 * G) == pytest.approx(calm / 4.0)
+    s.particles.u[s.particles.kind == FLUID] = (-2.0, 0.0)
+    assert step(1e4 * G) == pytest.approx(timestep.LEAST_MOVE * SPACING / 2.0)
+
+
+def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
+    """Twenty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
+    assert flow_length(column()) == SPACING
+    assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 20.0)
+    fine = column().changed(**{"fluid.shape": Box(width=0.5, height=0.5), "numerics.spacing": 0.0125})
+    assert largest(fine, 30) == pytest.approx(0.05 * sqrt(0.025 / G))
+    s = simulated(column())
+    found = [timestep.next_step(s.method.flow, G, accelerations=(G, 0.5 * G), length=length)
+             for length in (None, SPACING, 4.0 * SPACING)]
+    assert found[0] == found[1] == pytest.approx(0.5 * found[2])
+
+
+def test_the_mean_acceleration_is_that_of_all_fluid():
+    """Of a round drop that begins to stretch, A^2 r at a distance r; it comes back with a checkpoint's state."""
+    case = scene("free_drop", spacing=0.05, time_step=None)
+    s, other = (simulated(case) for _ in range(2))
+    speed, radius = s.particles.u[:, 0].max(), s.particles.x[:, 0].max()
+    rate = speed / radius
+    s.advance()
+    largest, mean = s.method.accelerations
+    assert mean == pytest.approx(rate**2 * radius / sqrt(2.0), rel=0.03) and largest > mean
+    other.method.resume(s.method.state())
+    assert other.method.accelerations == (largest, mean)
+
+
+def test_waves_are_limited_by_their_acceleration():
+    case = scene("standing_wave", spacing=SPACING, preset="violent", amplitude=0.01, time_step=0.05)
+    case = case.changed(**{"numerics.time_step": None})
+    acceleration = 0.01 * np.pi * G    # a k g, in deep water
+    shortest = min(steps_of(case, 40))     # more than a quarter of a period, that is, to the greatest acceleration
+    assert shortest == pytest.approx(0.05 * sqrt(SPACING / (1.5 * acceleration)), rel=0.1)
+
+
+def test_steps_of_a_wave_do_not_change_with_it():
+    """The strain limits these steps, and nearly vanishes twice a period; steps that follow it feed the wave."""
+    case = scene("standing_wave", spacing=0.1, preset="gentle", amplitude=0.05, time_step=0.05)
+    found = np.array(steps_of(case.changed(**{"numerics.time_step": None}), 90))[10:]
+    limit = 0.5 * sqrt(0.1 / G)
+    assert found.max() < 0.9 * limit
+    assert found.max() / found.min() - 1.0 < 0.01
+
+
+def test_still_water_is_not_limited():
+    case = scene("hydrostatic", spacing=SPACING).changed(**{"numerics.preset": "violent", "numerics.time_step": None})
+    assert largest(case, 25) > 4.0 * 0.1 * sqrt(SPACING / G)
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_full_closed_tank_has_numbers_of_its_own(closed):
+    height = 1.0 if closed else 0.5
+    case = water((1.0, height), (1.0, 1.0, True), dict(spacing=0.1, filter=0.02), gravity=(0.0, 0.0))
+    s = simulated(case)
+    n = s.numerics
+    assert n.filter == 0.02     # the user's own
+    assert (n.surface_rule, n.shift, n.kappa_strain) == (("none", 0.06, 70.0) if closed else ("gap", 0.2, 56.0))
+    opened = s.case.changed(walls=Tank(width=1.0, height=2.0))
+    assert opened.numerics.resolved().shift == 0.2 and opened.numerics.filter == 0.02

@@ -4,14 +4,12 @@ from math import pi
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Simulation, StandingWave
+from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, StandingWave
 from parisph.base.fields import FLUID
-from parisph.driver import run
 from parisph.io import reader
 from parisph.kernels import strain
-from tests.scenes import scene, water
+from tests.scenes import ran, run_alone, scene, simulated, water
 
 ASKED = ("u", "p", "role", "vorticity")
 
@@ -22,11 +20,10 @@ def shear():
 
 
 def test_it_is_exact_for_a_linear_velocity():
-    simulation = Simulation(shear(), MPI.COMM_SELF)
+    simulation = simulated(shear())
     simulation.complete(ASKED)
     p = simulation.particles
     np.testing.assert_allclose(p.vorticity[p.kind == FLUID], -5.0, rtol=1e-11)
-    simulation.destroy()
 
 
 @pytest.mark.parametrize(("spacing", "step"), [(0.05, 0.02), (0.05, 0.01), (0.025, 0.01)])
@@ -36,8 +33,8 @@ def test_an_irrotational_wave_has_none_beside_walls(spacing, step):
     Measured .0005 to .0006, of a velocity gradient of .04. The velocities of the run stay as they are.
     """
     wave = StandingWave(amplitude=0.01, depth=0.5, length=2.0, phase=pi / 2)
-    simulation = Simulation(water((1.0, 0.5), (1.0, 0.8), dict(spacing=spacing, time_step=step), wave=wave,
-                                  output=Output(fields=ASKED), end_time=0.56), MPI.COMM_SELF)
+    simulation = simulated(water((1.0, 0.5), (1.0, 0.8), dict(spacing=spacing, time_step=step), wave=wave,
+                                 output=Output(fields=ASKED), end_time=0.56))
     while not simulation.finished():
         simulation.advance()
     p = simulation.particles
@@ -46,7 +43,6 @@ def test_an_irrotational_wave_has_none_beside_walls(spacing, step):
     below = (p.kind == FLUID) & (p.x[:, 1] < 0.5 - 3.0 * spacing)
     assert np.abs(p.vorticity[below]).max() < 0.002
     np.testing.assert_array_equal(p.u, before)
-    simulation.destroy()
 
 
 def test_a_run_writes_it_and_computes_it_for_that_alone(tmp_path, monkeypatch):
@@ -56,26 +52,23 @@ def test_a_run_writes_it_and_computes_it_for_that_alone(tmp_path, monkeypatch):
                         or gradient(*given))
     gentle = {"preset": "gentle", "time_step": 0.01, "regularisers": ("irrotational", "wall_guard")}
     case = scene("dam_break", gentle, spacing=0.25).changed(end_time=0.05, probes=[], output=Output(fields=ASKED))
-    run(case, MPI.COMM_SELF, tmp_path / "asked", progress=False)
+    run_alone(case, tmp_path / "asked")
     assert len(calls) == 2    # at the start and at the end; these regularisers measure no strain
     found = reader.open_run(tmp_path / "asked").snapshot()
     assert np.abs(found["vorticity"][found["kind"] == FLUID]).max() > 0.0
     assert not found["vorticity"][found["kind"] != FLUID].any()
-    run(case.changed(output=Output()), MPI.COMM_SELF, tmp_path / "not", progress=False)
-    assert len(calls) == 2 and "vorticity" not in reader.open_run(tmp_path / "not").snapshot()
+    assert "vorticity" not in ran(case.changed(output=Output()), tmp_path / "not").snapshot() and len(calls) == 2
 
 
 def test_the_flow_at_a_peak_has_it_too(tmp_path):
     case = scene("dam_break", spacing=0.25).changed(
         end_time=0.3, probes=[PressureTap("tap", at=(0.0, 0.2), peak=True)], output=Output(fields=ASKED))
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
-    peak = reader.open_run(tmp_path / "run").peak("tap")
+    peak = ran(case, tmp_path / "run").peak("tap")
     assert peak["step"] > 0 and np.abs(peak["vorticity"]).max() > 0.0
 
 
 def test_who_has_no_such_field_computes_nothing():
-    simulation = Simulation(shear().changed(output=Output()), MPI.COMM_SELF)
+    simulation = simulated(shear().changed(output=Output()))
     simulation.complete(ASKED)
     with pytest.raises(AttributeError):
         simulation.particles.vorticity    # noqa: B018
-    simulation.destroy()

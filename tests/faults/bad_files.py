@@ -51,9 +51,16 @@ def stored(random, number):
 
 
 def _unsealed(content):
-    content = copy.deepcopy(content)
-    content.pop("digest", None)
-    return content
+    return {name: value for name, value in copy.deepcopy(content).items() if name != "digest"}
+
+
+def _edited(edit):
+    """Return what makes a file of a stored case without its digest, after edit(content)."""
+    def change(content):
+        content = _unsealed(content)
+        edit(content)
+        return json.dumps(content).encode()
+    return change
 
 
 def _place(content, name):
@@ -64,12 +71,10 @@ def _place(content, name):
 
 
 def _put(name, value):
-    def change(content):
-        content = _unsealed(content)
+    def edit(content):
         place, last = _place(content, name)
         place[last] = value
-        return json.dumps(content).encode()
-    return f"{name} = {str(value)[:40]!r}", [name.split(".")[-1]], change
+    return f"{name} = {str(value)[:40]!r}", [name.split(".")[-1]], _edited(edit)
 
 
 def _wrong_number(random):
@@ -89,23 +94,16 @@ def _wrong_word(random):
 def _without(random):
     name = str(random.choice(NEEDED))
 
-    def change(content):
-        content = _unsealed(content)
+    def edit(content):
         place, last = _place(content, name)
         del place[last]
-        return json.dumps(content).encode()
-    return f"no {name}", [name.split(".")[-1]], change
+    return f"no {name}", [name.split(".")[-1]], _edited(edit)
 
 
 def _unknown(random):
     name = ("salt", "", "a\nb", "\x1b[2J", "x" * 100_000, "Title")[int(random.integers(6))]
     place = ("fluid", "numerics", "output", "walls")[int(random.integers(4))]
-
-    def change(content):
-        content = _unsealed(content)
-        content[place][name] = 1
-        return json.dumps(content).encode()
-    return f"{place} has {name[:20]!r}", ["has no field"], change
+    return f"{place} has {name[:20]!r}", ["has no field"], _edited(lambda content: content[place].update({name: 1}))
 
 
 def _changed_unsealed(random):

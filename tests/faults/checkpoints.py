@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph.io import checkpoint
 from tests.faults.answering import Answering
 from tests.faults.damage import KINDS, damaged, two_runs
-from tests.launch import mpirun, parisph
+from tests.launch import contents, parisph
 
 LIMIT = 60.0     # [s] for a command
 BY_SHELL = 25    # one attempt in so many goes through the command line, on one and on two ranks by turns
@@ -45,23 +45,19 @@ def answer(path):
 
 def _by_shell(run, place, ranks):
     """Return (class of the error, its text) of `parisph restart PLACE`; what else happens is given as another class."""
-    before = _contents(run)
+    before = contents(run)
     words = ["restart", place, "--until", "0.04"]
     try:
-        done = parisph(*words, timeout=LIMIT) if ranks == 1 else mpirun(ranks, ["-m", "parisph", *words], timeout=LIMIT)
+        done = parisph(*words, ranks=ranks, timeout=LIMIT)
     except subprocess.TimeoutExpired:
         return "hang", f"no end after {LIMIT:g} s"
     said = [line for line in done.stderr.splitlines() if line.startswith("parisph: ")]    # mpirun says more
-    if _contents(run) != before:
+    if contents(run) != before:
         return "change", "restart has changed files of the run"
     if (done.returncode != 5 or done.stdout or not said or "Traceback" in done.stderr
         or (ranks == 1 and done.stderr.count("\n") != 1)):
         return "exit", f"code {done.returncode}: {done.stdout}{done.stderr}"
     return "StoreError", "\n".join(said)
-
-
-def _contents(run):
-    return {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
 
 
 def _judge(found, path, sound):

@@ -2,12 +2,9 @@
 
 import shutil
 
-from mpi4py import MPI
-
-from parisph import driver
 from parisph.kernels import jit
 from tests.launch import mpirun, parisph
-from tests.scenes import scene
+from tests.scenes import run_alone, scene
 
 BLOCK = 512    # what a disk loses at once
 
@@ -32,7 +29,7 @@ def two_runs(folder, ranks):
     for name, density in (("run", 1000.0), ("other", 900.0)):
         made.append(folder / name)
         if ranks == 1:
-            driver.run(case(density), MPI.COMM_SELF, made[-1], progress=False)
+            run_alone(case(density), made[-1])
             continue
         (folder / "case.py").write_text(CASE)
         done = mpirun(ranks, ["-m", "parisph", "run", folder / "case.py", "-q", "-o", made[-1], "--set",

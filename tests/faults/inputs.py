@@ -131,10 +131,7 @@ def answer(question):
                 code = entry.main(question["words"])
             except BaseException as error:
                 code = f"{type(error).__name__}: {error}"
-        texts = []
-        for file in (out, err):
-            file.seek(0)
-            texts.append(file.read(10**6))
+        texts = [_text(file) for file in (out, err)]
     return {"code": code, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun,
             "bytes": _status("VmHWM")}
 
@@ -152,6 +149,11 @@ def _redirected(file, number):
         stream.flush()
         os.dup2(kept, number)
         os.close(kept)
+
+
+def _text(file):
+    file.seek(0)
+    return file.read(10**6)
 
 
 def _reset_peak():
@@ -178,10 +180,7 @@ def _by_itself(words, place):
             process.kill()
             process.wait()
             return f"hang: no end after {2.0 * SECONDS:g} s"
-        texts = []
-        for file in (out, err):
-            file.seek(0)
-            texts.append(file.read(10**6))
+        texts = [_text(file) for file in (out, err)]
     return {"code": process.returncode, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun,
             "bytes": peak}
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from parisph.base.errors import ParisphError
 from parisph.io import reader
-from tests.faults.table import each_in_its_folder
-from tests.launch import mpirun, parisph
+from tests.faults.table import each_in_its_folder, gone_on
+from tests.launch import parisph
 from tests.running import last_checkpoint, running, send
 from tests.scenes import difference
 
@@ -60,17 +60,10 @@ def _kill(run, victim, pids):
 def _finish(folder, ranks, due, what):
     """Restart the run, or start it where it had not begun, and compare it with one that was never killed."""
     run = folder / "run"
-    if not (run / "case.json").exists():
-        words = ["run", "case.py", "-o", "run", "-q"]
-    elif (run / "summary.json").exists():
-        words = None    # it had ended before the kill
-    else:
-        words = ["restart", "run", "-q"]
-    if words:
-        done = (parisph(*words, cwd=folder, timeout=SECONDS) if ranks == 1
-                else mpirun(ranks, ["-m", "parisph", *words], cwd=folder, timeout=SECONDS))
-        if done.returncode != 0 or "Traceback" in done.stderr:
-            return f"{what}: {words[0]} on {ranks} ranks ends with {done.returncode}: {done.stderr[-500:]}"
+    ended = (run / "summary.json").exists()    # before the kill
+    wrong = None if ended else gone_on(folder, what, ranks, SECONDS)
+    if wrong:
+        return wrong
     try:
         return _compare(run, due, what)
     except ParisphError as error:

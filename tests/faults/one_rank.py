@@ -7,8 +7,8 @@ import sys
 import time
 
 from parisph.io import reader
-from tests.faults.table import each_in_its_folder
-from tests.launch import clean_environment, parisph
+from tests.faults.table import each_in_its_folder, gone_on
+from tests.launch import clean_environment
 from tests.scenes import PROGRAM
 
 CASE = """
@@ -83,7 +83,6 @@ sys.exit(main(["run", "case.py", "-o", "run", "-q"]))
 """
 START = 200.0      # [s] until the failure
 GONE = 60.0        # [s] from there until all processes are gone
-SECONDS = 300.0    # [s] for a restart
 
 
 def make(count, random, folder):
@@ -132,10 +131,6 @@ def _carried_out(folder):
 
 
 def _finish(folder, what):
-    begun = (folder / "run" / "case.json").exists()    # else it failed while the scene was built
-    arguments = ["restart", "run"] if begun else ["run", "case.py", "-o", "run"]
-    done = parisph(*arguments, "-q", cwd=folder, timeout=SECONDS)
-    if done.returncode != 0:
-        return f"{what}: {arguments[0]} ends with {done.returncode}: {done.stderr[-1000:]}"
-    status = reader.open_run(folder / "run").summary["status"]
-    return None if status == "completed" else f"{what}: status {status} after the {arguments[0]}"
+    wrong = gone_on(folder, what)    # or begun, if it failed while the scene was built
+    status = None if wrong else reader.open_run(folder / "run").summary["status"]
+    return wrong or (None if status == "completed" else f"{what}: status {status}")

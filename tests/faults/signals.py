@@ -6,8 +6,8 @@ import time
 import numpy as np
 
 from parisph.io import reader
-from tests.faults.table import each_in_its_folder
-from tests.launch import mpirun, parisph
+from tests.faults.table import each_in_its_folder, gone_on
+from tests.launch import mpirun
 from tests.running import handles, running, send
 
 # Checkpoints and snapshots in almost every step: many signals come in the middle of one.
@@ -77,11 +77,9 @@ def _finish(folder, what):
     begun = (run / "case.json").exists()
     if not begun and run.exists() and {path.name for path in run.iterdir()} - {"run.lock"}:
         return f"{what}: the run has not begun, but left {sorted(path.name for path in run.iterdir())}"
-    if not begun or _status(run) != "completed":
-        words = ["restart", "run"] if begun else ["run", "case.py", "-o", "run"]
-        done = parisph(*words, "-q", cwd=folder, timeout=SECONDS)
-        if done.returncode != 0 or "Traceback" in done.stderr:
-            return f"{what}: {words[0]} ends with {done.returncode}: {done.stderr[-1000:]}"
+    wrong = None if begun and _status(run) == "completed" else gone_on(folder, what)
+    if wrong:
+        return wrong
     steps = reader.open_run(run).steps["step"]
     if _status(run) != "completed" or not np.array_equal(steps, np.arange(1, len(steps) + 1)):
         return f"{what}: status {_status(run)}, steps {steps}"

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.launch import parisph
+
 SHOWN = 20    # misbehaviours of a part that are printed
 
 
@@ -48,6 +50,16 @@ def each_in_its_folder(count, folder, attempt):
         if found is None:
             shutil.rmtree(place)
         yield found
+
+
+def gone_on(folder, what, ranks=1, seconds=300.0):
+    """Restart the run of a folder, or start it where it had not begun; return None, or what was wrong with that."""
+    begun = (folder / "run" / "case.json").exists()
+    words = [*(["restart", "run"] if begun else ["run", "case.py", "-o", "run"]), "-q"]
+    done = parisph(*words, ranks=ranks, cwd=folder, timeout=seconds)
+    if done.returncode != 0 or "Traceback" in done.stderr:
+        return f"{what}: {words[0]} on {ranks} ranks ends with {done.returncode}: {done.stderr[-1000:]}"
+    return None
 
 
 def carry_out(name, part, count, seed, folder):

@@ -11,6 +11,7 @@ from parisph import __main__ as entry
 from parisph.base.errors import ParisphError
 from parisph.io import reader
 from parisph.io.layout import INDEX
+from tests.launch import contents
 
 CASE = """
 from tests.scenes import scene
@@ -50,21 +51,15 @@ def _judge(run, sound, random, what):
     wrong = _values(run, sound)
     if wrong:
         return f"{what}: {wrong}"
-    before = _contents(run)
+    before = contents(run, but="run.log")
     code, said = _command(words)
     if code not in (0, 2, 5) or "Traceback" in said or "Warning" in said:
         return f"{what}: {words[0]} ends with {code}: {said[-500:]}"
     if code != 0 and (said.count("parisph: error: ") != 1 or len(said) > LONGEST):
         return f"{what}: {words[0]} says {said[-500:]!r}"
-    if code != 0 and _contents(run) != before:
+    if code != 0 and contents(run, but="run.log") != before:
         return f"{what}: {words[0]} refuses, but changes the folder: {said[-500:]!r}"
     return None
-
-
-def _contents(run):
-    """Return {name: content} of all files of a run; the log may get lines at any time."""
-    return {str(path.relative_to(run)): path.read_bytes() for path in run.rglob("*") if path.is_file()
-            and path.name != "run.log"}
 
 
 def _values(run, sound):

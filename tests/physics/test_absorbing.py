@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Airy, Energy, Output, Relaxation, Simulation, Sponge, SurfaceGauge
+from parisph import Airy, Energy, Output, Relaxation, Sponge, SurfaceGauge
 from parisph.truth.reflection import separated
 from parisph.watch import instruments
-from tests.scenes import difference, on_ranks, water
+from tests.scenes import after_steps, assert_same, simulated, water
 
 G, DEPTH, HEIGHT = 9.81, 0.5, 0.02
 PERIOD = Airy(height=HEIGHT, period=1.2, depth=DEPTH).period
@@ -27,7 +26,7 @@ def tank(sponge, spacing=0.0625, periods=12.0, **values):
 
 def waves(case):
     """Return the incident and reflected waves over the last three periods."""
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     samplers, times, heights = instruments.build(case, simulation.comm), [], []
     while not simulation.finished():
         simulation.advance()
@@ -35,7 +34,6 @@ def waves(case):
         if simulation.time > case.end_time - 3.0 * PERIOD:
             found = instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
             heights.append([found[probe.name][0] for probe in case.probes])
-    simulation.destroy()
     return separated(times[-len(heights):], np.transpose(heights), [probe.at for probe in case.probes], PERIOD, WAVE.k)
 
 
@@ -47,16 +45,14 @@ def test_a_sponge_reflects_little(sponge, limit):
     assert found.incident == pytest.approx(0.5 * HEIGHT, rel=0.05)
 
 
-def test_water_at_rest_stays_at_rest_in_an_uneven_zone(simulated):
+def test_water_at_rest_stays_at_rest_in_an_uneven_zone():
     case = water((1.0, 0.5), (1.0, 1.0), dict(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4),
                  gravity=(0.0, -G), absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)])
-    simulation = simulated(case)
-    for _ in range(100):
-        simulation.advance()
+    simulation = simulated(case, 100)
     assert np.abs(simulation.particles.u).max() < 1e-10
 
 
-def test_the_budget_knows_what_zones_take_and_give(simulated):
+def test_the_budget_knows_what_zones_take_and_give():
     case = tank(1.0, periods=2.0)
     case = case.changed(probes=[Energy("energy")], **{"numerics.rtol": 1e-12})
     simulation = simulated(case)
@@ -77,31 +73,10 @@ def test_the_budget_knows_what_zones_take_and_give(simulated):
     assert zones > 0.0 and abs(pressure) < 0.14 * zones
 
 
-RANKS = """
-from tests.physics.test_absorbing import twenty_steps
-found = twenty_steps(comm)
-if comm.rank == 0:
-    np.savez("waves.npz", **found)
-"""
-
-
-def twenty_steps(comm):
-    """Return the arrays of all particles after 20 steps, None on other ranks than the first."""
-    fields = ("x", "u", "p", "vorticity")
-    case = tank(1.0, spacing=0.125, rtol=1e-13).changed(**{"output.fields": fields})
-    simulation = Simulation(case, comm)
-    for _ in range(20):
-        simulation.advance()
-    simulation.complete(fields)
-    found = simulation.gather(*fields)
-    simulation.destroy()
-    return found
-
-
 def test_two_ranks_make_the_same_waves(tmp_path):
     """And give their vorticity, which no step has computed."""
-    on_ranks(2, RANKS, tmp_path)
-    one, two = twenty_steps(MPI.COMM_SELF), np.load(tmp_path / "waves.npz")
+    fields = ("x", "u", "p", "vorticity")
+    case = tank(1.0, spacing=0.125, rtol=1e-13).changed(**{"output.fields": fields})
+    one, two = after_steps({"waves": case}, 20, fields, tmp_path).values()
     assert np.abs(one["u"]).max() > 1e-4
-    for field in one:
-        assert difference(two[field], one[field]) < 1e-9, field
+    assert_same(one, two, fields=fields)

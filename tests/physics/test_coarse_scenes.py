@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import open_run, run
+from parisph import open_run
 from parisph.case import measured_data
 from tests.launch import ROOT
-from tests.scenes import made_motion, scene
+from tests.scenes import made_motion, run_alone, scene
 
 # Parameters of each scene: a few hundred particles, and some tens of steps.
 COARSE = {
@@ -42,7 +41,7 @@ def test_runs_to_its_end_and_keeps_its_water(tmp_path, monkeypatch, name):
     made_motion(tmp_path)
     monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
     case = scene(name, **COARSE[name])
-    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(case, tmp_path / "run")
     assert summary["status"].startswith("completed") and summary["steps"] >= 5
     assert summary["left"]["particles"] == 0
     assert -0.01 < summary["volume_range"]["low"] <= summary["volume_range"]["high"] < 0.01

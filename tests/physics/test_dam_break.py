@@ -8,11 +8,10 @@ from parisph.base.fields import FLUID, SURFACE
 from parisph.base.reading import read_columns
 from parisph.base.table import read_reference
 from parisph.case.waves import column_start_pressure
-from parisph.driver import Simulation, run
 from parisph.io import checkpoint, reader, series
 from parisph.truth import norms
 from tests.launch import ROOT
-from tests.scenes import scene
+from tests.scenes import run_alone, scene, simulated
 
 G, H, L = 9.81, 1.0, 0.5
 WEIGHT = 1000.0 * G * H
@@ -22,11 +21,10 @@ UNIT = np.sqrt(H / G)
 @pytest.fixture(scope="module", params=["sfdi", "harmonic"])
 def start(request):
     """The particles with their first pressure at H/s = 100, and the largest error that is due."""
-    s = Simulation(scene("dam_break", {"wall_rows": request.param}, spacing=0.01), MPI.COMM_SELF)
+    s = simulated(scene("dam_break", {"wall_rows": request.param}, spacing=0.01))
     s.solve_start()
     p = s.particles
     found = {name: np.array(getattr(p, name)) for name in ("x", "p", "kind", "role")}
-    s.destroy()
     return found, {"sfdi": 0.01, "harmonic": 0.002}[request.param]
 
 
@@ -64,7 +62,7 @@ def fall(tmp_path_factory):
     """
     folder = tmp_path_factory.mktemp("dam_break") / "run"
     case = scene("dam_break", spacing=0.025, end_time=2.5, volume_every=1, jitter=0.2, seed=1)
-    summary = run(case, MPI.COMM_SELF, folder, progress=False)
+    summary = run_alone(case, folder)
     return reader.open_run(folder), summary
 
 

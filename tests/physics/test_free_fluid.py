@@ -5,7 +5,7 @@ import pytest
 
 from parisph.case.waves import drop_half_axes
 from parisph.watch import instruments
-from tests.scenes import scene
+from tests.scenes import scene, simulated
 
 
 def sampled(s):
@@ -25,7 +25,7 @@ def steps(s, count):
 
 
 @pytest.mark.parametrize(("stiffness", "end"), [(0.0, 1.0), (1.0, 2.0)])
-def test_drop_in_a_straining_flow(stiffness, end, simulated):
+def test_drop_in_a_straining_flow(stiffness, end):
     """It stays an ellipse with known half axes; with a central force it oscillates."""
     s = simulated(scene("free_drop", {"time_step": 0.01}, spacing=0.05, stiffness=stiffness))
     _, after = steps(s, round(end / 0.01))
@@ -48,7 +48,7 @@ def centre_pressure():
 
 @pytest.mark.parametrize("settle", ["solve_start", "advance"])
 @pytest.mark.parametrize("preset", ["violent", "gentle"])
-def test_first_pressure_of_a_rotating_patch(preset, settle, simulated):
+def test_first_pressure_of_a_rotating_patch(preset, settle):
     """Of the start, where no step has been made, and of the first step: both are the exact one."""
     s = simulated(scene("rotating_patch", {"time_step": 1e-3, "preset": preset}, spacing=0.05))
     getattr(s, settle)()
@@ -58,7 +58,7 @@ def test_first_pressure_of_a_rotating_patch(preset, settle, simulated):
 
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
 @pytest.mark.parametrize("numerics", [{}, {"strain": 0.0}, {"zeta_time": 0.1}, {"gamma": 0.1}])
-def test_first_pressure_of_a_straining_drop(stiffness, numerics, simulated):
+def test_first_pressure_of_a_straining_drop(stiffness, numerics):
     """p = rho/2 (1 + B^2) (R^2 - r^2) at the start, whatever the weights of a step are.
 
     The particles end up to a spacing inside the circle, so the pressure is lower by as much everywhere.
@@ -78,7 +78,7 @@ def spin(p):
     return np.sum(p.x[:, 0] * p.u[:, 1] - p.x[:, 1] * p.u[:, 0])
 
 
-def test_rotating_patch(simulated):
+def test_rotating_patch():
     """The pressure in the middle is negative and the corners move outwards, until t omega = 1.4."""
     s = simulated(scene("rotating_patch", spacing=0.05))
     turning = spin(s.particles)

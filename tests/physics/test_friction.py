@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Energy, Fluid, Friction, Lid, Numerics, Output, Simulation, Tank, driver, open_run
+from parisph import Box, Case, Energy, Fluid, Friction, Lid, Numerics, Output, Tank, open_run
 from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater
 from parisph.case.stored import from_json, to_json
@@ -13,7 +13,7 @@ from parisph.io import checkpoint
 from parisph.kernels.wall_law import wall_stress
 from parisph.watch import instruments
 from tests import moving_tanks, solid_scenes
-from tests.scenes import assert_same, on_ranks, scene, water
+from tests.scenes import after_steps, assert_same, restart_alone, run_alone, scene, simulated, water
 
 SLOW = Friction(viscosity=1e-3)    # much more than water has, so that a short run shows it
 
@@ -23,7 +23,7 @@ def falling(friction=SLOW, spacing=0.05, end_time=1.9, **numerics):
     return case.changed(friction=friction)
 
 
-def test_the_budget_knows_what_friction_takes(simulated):
+def test_the_budget_knows_what_friction_takes():
     case = falling()
     simulation = simulated(case)
     sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
@@ -41,7 +41,7 @@ def test_the_budget_knows_what_friction_takes(simulated):
     assert max(taken) <= 0.0 and sum(taken) < -10.0
 
 
-def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows(simulated):
+def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows():
     fronts = []
     for friction in (None, Friction(), SLOW):
         simulation = simulated(falling(friction, end_time=1.3))
@@ -52,7 +52,7 @@ def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows(simulated):
     assert fronts[0] - fronts[1] > 0.005 and fronts[1] - fronts[2] > 0.02
 
 
-def test_a_layer_loses_the_momentum_that_the_stress_takes(simulated):
+def test_a_layer_loses_the_momentum_that_the_stress_takes():
     """Water that runs along the bed of a long tank: what all its particles lose in a step, far from the ends."""
     s, speed, length = 0.05, 2.0, 4.0
     case = water((length, 0.5), (length, 1.0), dict(spacing=s, time_step=0.0001), velocity=(speed, 0.0),
@@ -65,12 +65,10 @@ def test_a_layer_loses_the_momentum_that_the_stress_takes(simulated):
     assert force / s == pytest.approx(-wall_stress(speed, s, 1e-6, 0.0), rel=0.01)
 
 
-def test_a_lid_that_slides_takes_water_along(simulated):
+def test_a_lid_that_slides_takes_water_along():
     case = water((1.0, 0.5), (1.0, 0.5, Lid(velocity=2.0)), dict(spacing=0.05, preset="closed", time_step=0.005),
                  gravity=(0.0, 0.0), friction=SLOW)
-    simulation = simulated(case)
-    for _ in range(20):
-        simulation.advance()
+    simulation = simulated(case, 20)
     p = simulation.particles
     top = (p.kind == FLUID) & (p.x[:, 1] > 0.42) & (np.abs(p.x[:, 0] - 0.5) < 0.3)
     assert 0.02 < p.u[top, 0].mean() < 2.0 and "work_friction" not in simulation.columns
@@ -93,15 +91,6 @@ def test_walls_that_move_rub_as_those_of_a_frame_do():
 
 # -- ranks, restarts, files ---------------------------------------------------------------------------
 
-RANKS = """
-from tests.physics.test_friction import twenty_steps
-for plain in (True, False):
-    found = twenty_steps(comm, plain)
-    if comm.rank == 0:
-        np.savez(f"friction{plain}.npz", **found)
-"""
-
-
 def still_water(plain):
     shape = Box(1.0, 0.6) if plain else StillWater(0.6)
     return Case(title="box", fluid=Fluid(shape, density=1000.0, velocity=(1.0, 0.0)), friction=Friction(roughness=0.01),
@@ -112,29 +101,19 @@ def still_water(plain):
                 output=Output(fields=("u", "p", "friction")))
 
 
-def twenty_steps(comm, plain):
-    """Return the arrays of all particles after 20 steps, None on other ranks than the first."""
-    simulation = Simulation(still_water(plain), comm)
-    for _ in range(20):
-        simulation.advance()
-    found = simulation.gather("x", "u", "p", "friction")
-    simulation.destroy()
-    return found
-
-
 def test_ranks_have_the_same_friction(tmp_path):
-    on_ranks(2, RANKS, tmp_path)
-    for plain in (True, False):
-        one, two = twenty_steps(MPI.COMM_SELF, plain), np.load(tmp_path / f"friction{plain}.npz")
-        assert np.abs(one["friction"]).max() > 0.1
-        assert_same(one, two, 1e-8, one)
+    cases = {"plain": still_water(True), "box": still_water(False)}
+    found = after_steps(cases, 20, ("x", "u", "p", "friction"), tmp_path)
+    for name in cases:
+        assert np.abs(found[name, 1]["friction"]).max() > 0.1
+        assert_same(found[name, 1], found[name, 2], 1e-8, found[name, 1])
 
 
 def test_a_restart_goes_on_as_before(tmp_path):
     case = still_water(True).changed(end_time=0.02, **{"output.checkpoint_every": 0.01})
-    driver.run(case, MPI.COMM_SELF, tmp_path / "whole", progress=False)
+    run_alone(case, tmp_path / "whole")
     first = checkpoint.paths(tmp_path / "whole" / "checkpoints")[0]
-    driver.restart(first, MPI.COMM_SELF, out=tmp_path / "later", progress=False)
+    restart_alone(first, out=tmp_path / "later")
     whole, later = (open_run(tmp_path / name).snapshot(-1) for name in ("whole", "later"))
     assert 0.0 < checkpoint.read(MPI.COMM_SELF, first).time < whole["time"] == later["time"]
     assert_same(whole, later, fields=("x", "u", "p", "friction"))

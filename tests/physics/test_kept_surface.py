@@ -5,11 +5,10 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
-from parisph.driver import Simulation
 from parisph.io import checkpoint
 from parisph.kernels import gradient
 from parisph.methods.operators import INFLATION, RAPID_INFLATION
-from tests.scenes import scene
+from tests.scenes import scene, simulated
 
 S = 0.1
 # no shift and no collisions: they would push the particle where it is put among others
@@ -20,7 +19,7 @@ KEPT = {"surface_rule": "frozen", "shift": 0.0, "collision_distance": 0.0,
 def thrown(layer):
     """Return water at rest, and the id of a particle of a layer (10 is the surface) that is thrown up from the
     surface."""
-    s = Simulation(scene("hydrostatic", KEPT, spacing=S, end_time=1e3), MPI.COMM_SELF)
+    s = simulated(scene("hydrostatic", KEPT, spacing=S, end_time=1e3))
     s.solve_start()
     p = s.particles
     i = np.argmin(np.linalg.norm(p.x - [0.5, S * layer], axis=1))
@@ -42,7 +41,6 @@ def test_particle_that_is_back_among_others_has_its_role_back(layer, role):
         s.advance()
         seen.append(role_of(s, number))
     height = s.particles.x[s.particles.id == number][0, 1]
-    s.destroy()
     assert seen[0] != BALLISTIC and seen[-1] == role and height < 1.0 + S
     flying = np.flatnonzero(np.array(seen) == BALLISTIC)
     assert 20 < len(flying) < 250 and np.all(np.diff(flying) == 1), "one flight, from which it comes back for good"
@@ -54,14 +52,12 @@ def test_role_comes_back_after_a_restart(tmp_path):
         s.advance()
     path = checkpoint.write(s.comm, tmp_path, s.particles, s.time, s.steps, s.dt, s.case.model_dump_json(), {}, {})
     whole = [(s.advance(), role_of(s, number), s.particles.x[s.particles.id == number][0].copy()) for _ in range(150)]
-    s.destroy()
-    again = Simulation(s.case, MPI.COMM_SELF, start=checkpoint.read(MPI.COMM_SELF, path))
+    again = simulated(s.case, start=checkpoint.read(MPI.COMM_SELF, path))
     for _, role, x in whole:
         again.advance()
         assert role_of(again, number) == role
         np.testing.assert_allclose(again.particles.x[again.particles.id == number][0], x, atol=1e-6)
     assert role == INNER
-    again.destroy()
 
 
 @pytest.mark.parametrize(("rule", "most"), [("frozen", INFLATION), ("gap", RAPID_INFLATION)])
@@ -73,8 +69,6 @@ def test_harmonic_terms_have_a_lower_limit_where_the_surface_keeps_its_particles
         used.append(limit)
         full(out, cloud, f, radius, limit)
     monkeypatch.setattr(gradient, "harmonic_gradient", watched)
-    s = Simulation(scene("hydrostatic", {"surface_rule": rule}, spacing=S, preset="violent", end_time=1.0),
-                   MPI.COMM_SELF)
+    s = simulated(scene("hydrostatic", {"surface_rule": rule}, spacing=S, preset="violent", end_time=1.0))
     s.advance()
-    s.destroy()
     assert used and set(used) == {most}

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import PressureTap, SurfaceGauge, Sway, Volume
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation
 from parisph.watch import instruments
-from tests.scenes import water
+from tests.scenes import simulated, water
 
 S, DEPTH = 0.05, 0.5
 
@@ -19,14 +17,13 @@ def swayed(gap, amplitude, steps, **numerics):
     case = water((1.0, DEPTH), (1.0, top, True), dict(spacing=S, **numerics), title="lid",
                  frame=Sway(amplitude=amplitude, frequency=5.0), end_time=100.0,
                  probes=[SurfaceGauge("left", at=0.0), Volume("volume"), PressureTap("lid", at=(0.0, top))])
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     isolated = s.solve_start()
     samplers, found = instruments.build(case, s.comm), []
     for _ in range(steps):
         isolated = max(isolated, s.advance().isolated)
         found.append([value[0] for value in instruments.sample_all(samplers, s.particles, s.domain, s.time).values()])
     inside = s.particles.x[s.particles.kind == FLUID, 1].max() < top
-    s.destroy()
     assert inside
     return np.array(found).T, isolated
 

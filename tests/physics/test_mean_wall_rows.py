@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Roll, Sway
 from parisph.base.fields import FLUID, WET
-from parisph.driver import Simulation
 from tests import mean_rows
 from tests.physics.test_moving_walls import apart
-from tests.scenes import scene
+from tests.scenes import scene, simulated
 
 
 @pytest.fixture
@@ -19,11 +17,8 @@ def means(monkeypatch):
 
 def test_water_rests(means):
     case = scene("hydrostatic", spacing=0.1, preset="violent", jitter=0.4).changed(**{"numerics.rtol": 1e-13})
-    s = Simulation(case, MPI.COMM_SELF)
-    for _ in range(20):
-        s.advance()
+    s = simulated(case, 20)
     found = s.gather("u", "kind", "role")
-    s.destroy()
     assert np.count_nonzero(found["role"] == WET) > 20
     assert np.abs(found["u"][found["kind"] == FLUID]).max() < 1e-9
 

@@ -6,11 +6,10 @@ from mpi4py import MPI
 
 from parisph import Box, Obstacle, Roll, StillWater, Sway, Tank
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation
 from parisph.io import checkpoint
 from parisph.watch import instruments
 from tests import moving_tanks
-from tests.scenes import scene, water
+from tests.scenes import scene, simulated, water
 
 G, DEPTH = 9.81, 0.4
 
@@ -23,7 +22,7 @@ def sloshing(motion, preset, moving):
     numerics = dict(spacing=0.05, preset=preset, time_step=0.004)
     case = water(StillWater(DEPTH), walls if moving else (tank, block), numerics, gravity=(0.0, -G), end_time=0.5,
                  **({} if moving else {"frame": motion}))
-    return Simulation(case, MPI.COMM_SELF)
+    return simulated(case)
 
 
 def apart(motion, preset):
@@ -37,8 +36,6 @@ def apart(motion, preset):
     fluid, t = found["kind"] == FLUID, walls.time
     seen = motion.seen(found["u"] - motion.velocity_at(found["x"], t), t)[fluid]
     assert np.abs(due["u"]).max() > 0.04
-    walls.destroy()
-    frame.destroy()
     return np.linalg.norm(seen - due["u"][fluid]) / np.linalg.norm(due["u"][fluid])
 
 
@@ -71,13 +68,12 @@ def test_violent_motion_until_the_impact_by_walls_and_by_the_frame():
 def test_piston_makes_a_solitary_wave():
     """The crest after six depths, a/d = 0.2, s = d/16: its height to 1 %, its time to that of a tenth of the depth."""
     case = scene("solitary_piston", length=3.0, end_time=2.7)
-    simulation, gauge, rows = Simulation(case, MPI.COMM_SELF), case.probes[0], []
+    simulation, gauge, rows = simulated(case), case.probes[0], []
     samplers = instruments.build(case, simulation.comm)[:1]
     while not simulation.finished():
         simulation.advance()
         rows.append((simulation.time, *instruments.sample_all(samplers, simulation.particles, simulation.domain,
                                                               simulation.time)[gauge.name]))
-    simulation.destroy()
     (time, level), wave = np.transpose(rows), gauge.truth.of
     d, height = gauge.truth.level, wave.height
     assert gauge.at == 6.0 * d and abs(level.max() - d - height) < 0.01 * height
@@ -91,7 +87,7 @@ def test_restart_in_the_middle_of_a_motion(tmp_path):
         straight.advance()
     path = checkpoint.write(straight.comm, tmp_path, straight.particles, straight.time, straight.steps, straight.dt,
                             straight.case.model_dump_json(), straight.method.state(), {})
-    again = Simulation(straight.case, MPI.COMM_SELF, start=checkpoint.read(MPI.COMM_SELF, path))
+    again = simulated(straight.case, start=checkpoint.read(MPI.COMM_SELF, path))
     for _ in range(20):
         straight.advance()
         again.advance()
@@ -99,5 +95,3 @@ def test_restart_in_the_middle_of_a_motion(tmp_path):
     assert again.time == straight.time
     for name in found:
         assert np.abs(found[name] - due[name]).max() < 1e-6 * np.abs(due[name]).max()
-    straight.destroy()
-    again.destroy()

@@ -2,19 +2,17 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Disc, Force, Momentum, Output, PressureTap, ProbeArray, Tank
 from parisph.base.fields import FLUID
 from parisph.case.bodies import Obstacle, StillWater
 from parisph.case.motion import Sway
-from parisph.driver import restart, run
 from parisph.io import reader
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
-from tests.scenes import scene, water
+from tests.scenes import ran, restart_alone, run_alone, scene, simulated, water
 
 
-def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_force(simulated):
+def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_force():
     simulation = simulated(scene("dam_break", spacing=0.1, end_time=1.0))
     p, s = simulation.particles, simulation.numerics.spacing
 
@@ -44,8 +42,7 @@ def falling(time_step=None, end=0.16, **output):
 
 @pytest.mark.parametrize("time_step", [None, 0.001])
 def test_the_impulse_of_the_force_is_the_momentum_lost(tmp_path, time_step):
-    run(falling(time_step, end=0.2), MPI.COMM_SELF, tmp_path / "run", progress=False)
-    found = reader.open_run(tmp_path / "run")
+    found = ran(falling(time_step, end=0.2), tmp_path / "run")
     force, momentum, steps = found.probe("floor"), found.probe("momentum"), found.steps
     lost = momentum["py"][-1] - momentum["py"][0] + 960.0 * 9.81 * momentum["time"][-1]
     acted = force["fy_acted"][1:-1] @ steps["dt"]
@@ -59,10 +56,9 @@ def test_the_impulse_of_the_force_is_the_momentum_lost(tmp_path, time_step):
 def test_a_restart_shows_the_same(tmp_path):
     """From a checkpoint in the impact, with means that are not known yet."""
     case = falling(0.002, end=0.2, checkpoint_every=0.01)
-    run(case.changed(end_time=0.13), MPI.COMM_SELF, tmp_path / "part", progress=False)
-    restart(tmp_path / "part", MPI.COMM_SELF, until=0.2, progress=False)
-    run(case, MPI.COMM_SELF, tmp_path / "whole", progress=False)
-    part, whole = (reader.open_run(tmp_path / name) for name in ("part", "whole"))
+    run_alone(case.changed(end_time=0.13), tmp_path / "part")
+    restart_alone(tmp_path / "part", until=0.2)
+    part, whole = reader.open_run(tmp_path / "part"), ran(case, tmp_path / "whole")
     for name in ("floor", "sides", "taps"):
         a, b = part.probe(name), whole.probe(name)
         np.testing.assert_array_equal(a["step"], b["step"])
@@ -82,8 +78,7 @@ def test_without_gravity_the_force_is_in_time(tmp_path, radius, size, amplitude)
     disc = Obstacle(Disc(radius=radius, at=at), name="disc", motion=Sway(amplitude=amplitude, frequency=frequency))
     case = water(StillWater(level=size[1]), (Tank(*size, lid=True), disc), 0.1, gravity=(0.0, 0.0), end_time=0.68,
                  probes=[Force("disc", on="disc"), Force("tank", on="tank"), Momentum("momentum")])
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
-    found = reader.open_run(tmp_path / "run")
+    found = ran(case, tmp_path / "run")
     on_disc, on_tank, momentum = (found.probe(name) for name in ("disc", "tank", "momentum"))
 
     def wave(t, values):

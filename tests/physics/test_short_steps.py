@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.case.schema import Output
-from parisph.driver import restart, run
 from parisph.io import reader
-from tests.scenes import scene
+from tests.scenes import ran, restart_alone, run_alone, scene, simulated
 
 ASKED = 0.3
 
@@ -17,8 +15,8 @@ ASKED = 0.3
 def test_pressure_at_two_times_close_together(tmp_path, later, name):
     """A step of 1e-7 s must not show the divergence that regularisation leaves as a pressure of 20 MPa."""
     case = scene(name, spacing=0.05).changed(**{"numerics.time_step": None}, end_time=ASKED, output=Output())
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
-    restart(tmp_path / "run", MPI.COMM_SELF, until=ASKED + later, progress=False)
+    run_alone(case, tmp_path / "run")
+    restart_alone(tmp_path / "run", until=ASKED + later)
     found = reader.open_run(tmp_path / "run")
     first, second = (found.snapshot(time) for time in (ASKED, ASKED + later))
     p, q = (seen["p"][np.argsort(seen["id"])] for seen in (first, second))
@@ -26,10 +24,8 @@ def test_pressure_at_two_times_close_together(tmp_path, later, name):
     assert np.linalg.norm(q - p) < 0.05 * np.linalg.norm(p)
 
 
-def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure(simulated):
-    s = simulated(scene("standing_wave", spacing=0.1))
-    for _ in range(3):
-        s.advance()
+def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure():
+    s = simulated(scene("standing_wave", spacing=0.1), 3)
     s.method.flow.step.dt *= 0.1
     acted = s.particles.p.copy()
     with s.method.shown():
@@ -46,8 +42,7 @@ def test_steps_shortened_alike_have_the_pressure_of_their_neighbours(tmp_path):
     def pressures(name, **sets):
         sets |= {"numerics.time_step": None, "output": Output()}
         case = scene("dam_break", spacing=0.05, end_time=2.45).changed(**sets)
-        run(case, MPI.COMM_SELF, tmp_path / name, progress=False)
-        found = reader.open_run(tmp_path / name)
+        found = ran(case, tmp_path / name)
         return found.steps, found.probe("P2")
     steps, plain = pressures("plain")
     dt = steps["dt"][-40]

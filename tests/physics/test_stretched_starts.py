@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Case, Energy, Fluid, Numerics, SolitaryWave, StandingWave, StillWater, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, INNER, SURFACE
 from parisph.case.waves import angular_frequency
-from parisph.driver import run
 from parisph.io import reader
 from parisph.watch import instruments
-from tests.scenes import water
+from tests.scenes import run_alone, simulated, water
 
 G, D, LENGTH = 9.81, 1.0, 14.0
 RUN_UP = 0.42411823    # in depths, of a wave of .2 depths on a vertical wall: exact, by a spectral method of high order
@@ -23,7 +21,7 @@ def wave(shape, height=0.2, spacing=0.125):
 
 
 @pytest.mark.parametrize("shape", [Box(width=LENGTH, height=D), StillWater(level=D)], ids=["stretched", "moved up"])
-def test_no_density_is_missing_at_the_start(shape, simulated):
+def test_no_density_is_missing_at_the_start(shape):
     """Cells under the crest are a fifth higher than those of the lattice, or layers do not divide the depth."""
     s = simulated(wave(shape))
     s.solve_start()
@@ -41,7 +39,7 @@ def test_no_density_is_missing_at_the_start(shape, simulated):
         np.testing.assert_allclose(halves, 0.5)    # whatever the stretch
 
 
-def test_a_stretched_wave_runs_up_a_wall(simulated):
+def test_a_stretched_wave_runs_up_a_wall():
     """With cells of one size as the aim, it keeps half of its height: .24 depths."""
     case = wave(Box(width=LENGTH, height=D))
     s = simulated(case)
@@ -63,7 +61,7 @@ def test_a_standing_wave_at_its_highest_gains_nothing(tmp_path):
     wave = StandingWave(amplitude=0.05, length=2.0, depth=depth, phase=0.5 * np.pi)
     case = water((1.0, depth), (1.0, 2.0 * depth), dict(spacing=0.05, preset="gentle"), wave=wave,
                  probes=[Energy("energy")], end_time=6.0 * period)
-    found = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    found = run_alone(case, tmp_path / "run")
     energy = reader.open_run(tmp_path / "run").probe("energy")
     first, last = (energy["kinetic"][(energy["time"] >= i * period) & (energy["time"] < (i + 1) * period)].max()
                    for i in (0, 5))

@@ -2,17 +2,16 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import CaseError, driver
+from parisph import CaseError
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID, SURFACE
 from parisph.base.vocabulary import known
 from parisph.case.presets import WITHOUT_FILMS
-from parisph.driver import Simulation, precheck
+from parisph.driver import precheck
 from parisph.methods import catalogue
 from parisph.methods.parts import SURFACES
-from tests.scenes import scene
+from tests.scenes import run_alone, scene, simulated
 
 OPEN = [name for name in known("surface_rule") if SURFACES[name].open]
 MOVING = [name for name in OPEN if not SURFACES[name].keeps]
@@ -27,8 +26,8 @@ WORDS = {"density": {"numerics.regularisers": ("film", *WITHOUT_FILMS)}}
 
 
 def at_rest(rule, jitter):
-    return Simulation(scene("hydrostatic", {"surface_rule": rule, "rtol": 1e-9}, spacing=0.1, preset="violent",
-                            jitter=jitter, seed=1, end_time=1e3), MPI.COMM_SELF)
+    return simulated(scene("hydrostatic", {"surface_rule": rule, "rtol": 1e-9}, spacing=0.1, preset="violent",
+                           jitter=jitter, seed=1, end_time=1e3))
 
 
 @pytest.mark.parametrize("rule", OPEN)
@@ -38,7 +37,6 @@ def test_water_rests_for_a_thousand_steps(rule):
     for _ in range(1000):
         assert s.advance().surface == 9
         fastest = max(fastest, np.linalg.norm(s.particles.u, axis=1).max() / np.sqrt(9.81))
-    s.destroy()
     assert fastest < 1e-9
 
 
@@ -50,14 +48,13 @@ def test_density_ratio_sees_a_surface_below_the_surface():
     p = s.particles
     below = (p.kind == FLUID) & (p.role == SURFACE) & (p.x[:, 1] < 0.95)
     assert below.any() and p.alpha[below].max() < 0.9
-    s.destroy()
 
 
 @pytest.mark.parametrize("rule", OPEN)
 def test_small_sloshing(rule, tmp_path):
     """The wave is a fortieth of a spacing high, so that every rule finds the particles that a frozen surface keeps."""
     case = scene("small_sloshing", {"surface_rule": rule}, spacing=0.1, end_time=10)
-    found = driver.run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    found = run_alone(case, tmp_path / "run")
     assert found["status"] == "completed" and found["errors"]["left"]["relative_l2"] < 0.03
 
 
@@ -68,7 +65,7 @@ def test_dam_break(rule, tmp_path):
     for seed in STARTS.get(rule, (1,)):
         case = scene("dam_break", spacing=0.05, end_time=2.5, surface_rule=rule, jitter=0.2, seed=seed)
         case = case.changed(**WORDS.get(rule, {}))
-        found = driver.run(case, MPI.COMM_SELF, tmp_path / f"run{seed}", progress=False)
+        found = run_alone(case, tmp_path / f"run{seed}")
         assert found["status"].startswith("completed") and found["time"] == pytest.approx(case.end_time)
         volumes.append(max(abs(found["volume_range"][side]) for side in ("low", "high")))
         drifts.append(found["energy_drift"])
@@ -79,7 +76,7 @@ def test_a_surface_that_keeps_its_particles_does_not_break(tmp_path):
     """The run ends with an error that names a rule for surfaces that break (tests/driver/test_failing.py)."""
     case = scene("dam_break", spacing=0.05, surface_rule="frozen")
     with pytest.raises(ParisphError):
-        driver.run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+        run_alone(case, tmp_path / "run")
 
 
 @pytest.mark.parametrize("rule", MOVING)

@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, CaseError, Disc, Energy, Fluid, Polygon, StillWater, SurfaceGauge, Tank
 from parisph.case.motion import AtRest, Roll, Series, Tabulated
 from parisph.case.motion.rigid import rotated
 from parisph.case.waves import angular_frequency
-from parisph.driver import Simulation, restart, run
 from parisph.io import reader
-from tests.scenes import assert_same, difference, on_one_and_more, water
+from tests.scenes import after_steps, assert_same, difference, restart_alone, run_alone, simulated, water
 
 G = 9.81
 CELL = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")
@@ -29,13 +27,12 @@ def scene(fluid, frame, walls=None, gravity=(0.0, -G), end_time=1.0, probes=(), 
 
 def after(case, steps, start=False, *names):
     """Return fields of the fluid after some steps, or with the pressure at the start."""
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     if start:
         simulation.solve_start()
     for _ in range(steps):
         simulation.advance()
     found = simulation.gather("kind", "x", "u", "p", "volume")
-    simulation.destroy()
     return {name: values[found["kind"] == 0] for name, values in found.items()}
 
 
@@ -119,8 +116,8 @@ def test_a_drop_that_is_strained_feels_no_frame(wall_rows):
     for spin in (0.0, rate):
         velocity = f"(x - 0.5) + {spin} * (y - 0.5)", f"-(y - 0.5) - {spin} * (x - 0.5)"
         water = Fluid(Disc(0.3, at=(0.5, 0.5)), 1000.0, velocity=velocity)
-        simulation = Simulation(scene(water, turning(spin) if spin else AtRest(), gravity=(0.0, 0.0),
-                                      surface_gradient="curved", wall_rows=wall_rows), MPI.COMM_SELF)
+        simulation = simulated(scene(water, turning(spin) if spin else AtRest(), gravity=(0.0, 0.0),
+                                     surface_gradient="curved", wall_rows=wall_rows))
         simulation.solve_start()
         p, water = simulation.particles, simulation.particles.kind == 0
         found.append((simulation.method.acceleration(0.0)[water], p.u[water], p.x[water] - 0.5))
@@ -212,7 +209,7 @@ def test_small_roll_against_linear_theory(tmp_path):
         time_step=0.01,
         probes=[SurfaceGauge("left", at=0.0), Energy("energy")],
     )
-    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(case, tmp_path / "run")
     gauge = reader.open_run(tmp_path / "run").probe("left")
     exact = linear_roll(roll, gauge["time"], 1.0, 0.5)
     error = np.linalg.norm(gauge["y"] - 0.5 - exact) / np.linalg.norm(exact)
@@ -223,37 +220,24 @@ def test_small_roll_against_linear_theory(tmp_path):
 def test_a_restart_in_the_middle_of_a_roll(tmp_path):
     roll = Roll(0.1, 4.0, centre=(0.5, 0.0), ramp=0.2)
     whole = scene(Fluid(Box(1.0, 0.5), 1000.0), roll, end_time=0.4, rtol=1e-13)
-    run(whole, MPI.COMM_SELF, tmp_path / "whole", progress=False)
-    run(whole.changed(end_time=0.2), MPI.COMM_SELF, tmp_path / "part", progress=False)
-    restart(tmp_path / "part", MPI.COMM_SELF, until=0.4, progress=False)
+    run_alone(whole, tmp_path / "whole")
+    run_alone(whole.changed(end_time=0.2), tmp_path / "part")
+    restart_alone(tmp_path / "part", until=0.4)
     one, other = (reader.open_run(tmp_path / name).snapshot() for name in ("whole", "part"))
     assert np.abs(one["u"]).max() > 0.01
     assert_same(one, other)
 
 
-VIOLENT = """
-from parisph import Box, Case, Fluid, Numerics, Roll, Tank
-case = Case(title="roll", fluid=Fluid(Box(1.0, 0.3), 1000.0), walls=Tank(1.0, 0.5, lid=True), gravity=(0.0, -9.81),
-            frame=Roll(0.3, 4.0, centre=(0.5, 0.0), ramp=0.0), end_time=1.0,
-            numerics=Numerics(spacing=0.05, rtol=1e-13, time_step=0.004))
-s = Simulation(case, comm)
-for _ in range(60):
-    s.advance()
-found = s.gather("x", "u", "p", "role", "acceleration")
-if comm.rank == 0:
-    np.savez(f"roll-{comm.size}.npz", **found)
-s.destroy()
-"""
-
-
 def test_ranks_agree(tmp_path):
-    on_one_and_more(VIOLENT, tmp_path, most=2)
-    one, two = (np.load(tmp_path / f"roll-{ranks}.npz") for ranks in (1, 2))
+    case = scene(Fluid(Box(1.0, 0.3), 1000.0), Roll(0.3, 4.0, centre=(0.5, 0.0), ramp=0.0), (1.0, 0.5, True),
+                 rtol=1e-13, time_step=0.004)
+    fields = ("x", "u", "p", "role", "acceleration")
+    one, two = after_steps({"roll": case}, 60, fields, tmp_path).values()
     assert np.abs(one["u"]).max() > 0.3
     assert_same(one, two, fields=("x", "u", "p", "acceleration"))
 
 
-def test_only_tanks_that_turn_pay(simulated):
+def test_only_tanks_that_turn_pay():
     water = Fluid(Box(1.0, 0.5), 1000.0)
     for frame, there in ((AtRest(), False), (Roll(0.1, 2.0), True)):
         simulation = simulated(scene(water, frame))
@@ -261,13 +245,10 @@ def test_only_tanks_that_turn_pay(simulated):
         assert ("coriolis" in [part.name for part in simulation.method.parts.forces]) == there
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
-        ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "words"), [
+    ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
+    ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
+])
 def test_refused(changes, words):
     with pytest.raises(CaseError, match=words):
         scene(Fluid(Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))), 1000.0), Roll(0.1, 2.0), **changes)

@@ -7,7 +7,7 @@ from parisph.base.fields import FLUID
 from parisph.methods import straining
 from parisph.watch import instruments
 from tests import viscous_flows as flows
-from tests.scenes import scene
+from tests.scenes import scene, simulated
 
 Y = np.linspace(0.0, 1.0, 21)
 
@@ -23,9 +23,7 @@ def order(coarse, fine):
 
 def profile(case):
     s = flows.run(case)
-    u = flows.middle(s)
-    s.destroy()
-    return u
+    return flows.middle(s)
 
 
 def test_flow_that_a_lid_starts_between_walls():
@@ -60,11 +58,10 @@ def test_a_vortex_decays():
         fluid = s.particles.kind == FLUID
         exact = np.exp(-2.0 * 0.01 * np.pi**2 * 0.5) * flows.vortex(s.particles.x[fluid])
         found.append(rms(s.particles.u[fluid] - exact))
-        s.destroy()
     assert found[1] < 0.008 and order(*found) > 1.5, found
 
 
-def test_eddy_viscosity_of_a_shear(simulated):
+def test_eddy_viscosity_of_a_shear():
     """nu_t = (C s)^2 |S| for u = (G y, 0), in the field that the force uses."""
     shear, constant, spacing = 3.0, 0.15, 0.1
     case = flows.tank(spacing, 1e-6, 1.0, no_slip=False, velocity=(f"{shear}*y", 0.0), length=1.0, smagorinsky=constant)
@@ -88,7 +85,7 @@ GHIA_V = {0.0938: 0.12317, 0.1563: 0.16077, 0.2266: 0.17507, 0.5: 0.05454, 0.804
           0.9453: -0.10313}
 
 
-def test_driven_cavity(simulated):
+def test_driven_cavity():
     """Re = 100 with 20 x 20 particles, the mean from t = 6 to 8 side/U."""
     case = scene("lid_driven_cavity", spacing=0.05, end_time=8, time_step=0.5, points=101)
     s = simulated(case)

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, CaseError, Lid, Simulation, SurfaceGauge, Tank
+from parisph import Box, CaseError, Lid, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
 from tests import viscous_flows as flows
-from tests.scenes import assert_same, on_one_and_more, scene, water
+from tests.scenes import after_steps, assert_same, scene, simulated, water
 
 DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
@@ -26,11 +25,10 @@ def open_tank(viscosity, width=1.0, cells=10, top=1.5 * DEPTH, lid=False, no_sli
 
 def fastest(case, steps):
     """Return the largest velocity component of the fluid in a number of steps [m/s]."""
-    s, found = Simulation(case, MPI.COMM_SELF), 0.0
+    s, found = simulated(case), 0.0
     for _ in range(steps):
         s.advance()
         found = max(found, np.abs(s.particles.u[s.particles.kind == FLUID]).max())
-    s.destroy()
     return found
 
 
@@ -49,13 +47,11 @@ def test_a_lid_does_not_drive_water_across_air(preset, gap, form):
     assert fastest(open_tank(0.01, top=top, lid=Lid(1.0), preset=preset, form=form), 100) < 1e-8
 
 
-def test_a_lid_drives_the_water_that_it_touches(simulated):
+def test_a_lid_drives_the_water_that_it_touches():
     """A column that fills one half of the tank up to the lid."""
     case = open_tank(0.01, top=DEPTH, lid=Lid(1.0)).changed(
         **{"fluid.shape": Box(width=0.5, height=DEPTH), "gravity": (0.0, 0.0)})
-    s = simulated(case)
-    for _ in range(20):
-        s.advance()
+    s = simulated(case, 20)
     p = s.particles
     fluid = (p.kind == FLUID) & (p.x[:, 0] < 0.4)
     above, below = fluid & (p.x[:, 1] > 0.9 * DEPTH - 1e-3), fluid & (p.x[:, 1] < 0.5 * DEPTH)
@@ -125,24 +121,10 @@ def test_viscosity_damps_a_wave_on_a_free_surface(viscosity):
     assert found == pytest.approx(exact, rel=0.05)
 
 
-RANKS = """
-from tests.physics.test_viscous_open import DEPTH, Lid, open_tank
-for form in ("viscous", "viscous_morris"):
-    case = open_tank(0.01, top=1.1 * DEPTH, lid=Lid(1.0), elevation="0.04*cos(pi*x)", form=form, preset="violent",
-                     rtol=1e-13)
-    s = Simulation(case, comm)
-    for _ in range(20):
-        s.advance()
-    found = s.gather("x", "u", "p", "role")
-    if comm.rank == 0:
-        np.savez(f"{form}-{comm.size}.npz", **found)
-    s.destroy()
-"""
-
-
 def test_ranks_agree_about_the_walls_that_water_touches(tmp_path):
     """A wave whose crest is at the lid, and which leaves it."""
-    on_one_and_more(RANKS, tmp_path, most=2, timeout=300)
-    for form in ("viscous", "viscous_morris"):
-        one, two = (np.load(tmp_path / f"{form}-{n}.npz") for n in (1, 2))
-        assert_same(one, two)
+    cases = {form: open_tank(0.01, top=1.1 * DEPTH, lid=Lid(1.0), elevation="0.04*cos(pi*x)", form=form,
+                             preset="violent", rtol=1e-13) for form in ("viscous", "viscous_morris")}
+    found = after_steps(cases, 20, ("x", "u", "p", "role"), tmp_path)
+    for form in cases:
+        assert_same(found[form, 1], found[form, 2])

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Case, Disc, Fluid, Numerics, Simulation, SurfaceGauge, Tank
+from parisph import Box, Case, Disc, Fluid, Numerics, SurfaceGauge, Tank
 from parisph.base.fields import ABSENT, FLUID
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.motion import Roll
 from tests import viscous_flows as flows
+from tests.scenes import simulated
 
 G, NU = 9.81, 0.01
 
@@ -24,16 +24,13 @@ def scene(walls, fluid, spacing=0.05, probes=(), **numerics):
     Plate([(1.0, 0.0), (1.0, 0.3)])])
 def test_viscous_water_rests_around_bodies(body, form):
     water = Fluid(StillWater(0.6), density=1000.0, viscosity=NU)
-    s = Simulation(scene((Tank(2.0, 1.0, no_slip=body.slip == "none"), body), water, preset="violent", jitter=0.4,
-                         forces=("body", form)), MPI.COMM_SELF)
-    for _ in range(20):
-        s.advance()
+    s = simulated(scene((Tank(2.0, 1.0, no_slip=body.slip == "none"), body), water, preset="violent", jitter=0.4,
+                        forces=("body", form)), 20)
     assert np.abs(s.particles.u[s.particles.kind == FLUID]).max() < 1e-8
-    s.destroy()
 
 
 @pytest.mark.parametrize("slip, unseen", [("free", 2), ("none", 0)])
-def test_viscous_water_does_not_see_convex_edges_that_it_slips_along(simulated, slip, unseen):
+def test_viscous_water_does_not_see_convex_edges_that_it_slips_along(slip, unseen):
     """Their nodes have no row, so the velocity there is unknown."""
     block = Obstacle(Box(0.2, 0.2, at=(0.4, 0.0)), slip=slip)
     s = simulated(scene((Tank(1.0, 1.0), block), Fluid(StillWater(0.5), density=1000.0, viscosity=NU)))
@@ -72,11 +69,10 @@ def test_a_cylinder_that_turns_takes_the_water_with_it():
     for spacing in (0.1, 0.05):
         body = Obstacle(Disc(A, at=tuple(CENTRE.tolist())), slip="none", motion=ROLL)
         case = scene((Tank(2.0, 2.0), body), Fluid(StillWater(1.8), density=1000.0, viscosity=0.02), spacing)
-        s = Simulation(case.changed(end_time=1.0), MPI.COMM_SELF)
+        s = simulated(case.changed(end_time=1.0))
         while not s.finished():
             s.advance()
         x, u = (values[s.particles.kind == FLUID] for values in (s.particles.x - CENTRE, s.particles.u))
-        s.destroy()
         r = np.linalg.norm(x, axis=1)
         found, near = (x[:, 0] * u[:, 1] - x[:, 1] * u[:, 0]) / r, r < 0.6
         exact = around_a_cylinder(r[near], 1.0, 0.02)

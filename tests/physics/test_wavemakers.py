@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Case, Fluid, Numerics, Output, Sponge, SurfaceGauge, WaveTruth, open_run, run
+from parisph import Case, Fluid, Numerics, Output, Sponge, SurfaceGauge, WaveTruth, open_run
 from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.waves import Jonswap, Stokes
+from tests.scenes import run_alone
 
 DEPTH, PERIOD, AT, END = 0.25, 1.1, 1.0, 6.0    # [m], [s]
 CALM = 3.0    # [s] until the ramp and the first waves are past the gauge
@@ -29,7 +29,7 @@ def flume(maker):
     (Piston(at=0.0, wave=Jonswap(height=0.02, period=PERIOD, depth=DEPTH, seed=2, components=20)), 0.16),
 ])
 def test_makes_the_wave(tmp_path, maker, limit):
-    summary = run(flume(maker), MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(flume(maker), tmp_path / "run")
     assert summary["status"].startswith("completed")
     assert summary["errors"]["x"]["relative_l2"] < limit
     probe = open_run(tmp_path / "run").probe("x")

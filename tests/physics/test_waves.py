@@ -2,17 +2,15 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph.driver import run
 from parisph.io import reader
 from parisph.pictures import curves
-from tests.scenes import scene
+from tests.scenes import run_alone, scene
 from tests.solitary_profiles import against_a_wall, errors, run_up_error
 
 
 def summary_of(case, folder):
-    return run(case, MPI.COMM_SELF, folder / "run", progress=False)
+    return run_alone(case, folder / "run")
 
 
 @pytest.mark.parametrize(("sets", "error", "volume"), [

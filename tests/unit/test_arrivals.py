@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Case, ProbeArray, SurfaceGauge, WaterFront
-from parisph.driver import run
 from parisph.io import info, reader
 from parisph.truth.arrivals import first_passing
-from tests.scenes import scene
+from tests.scenes import run_alone, scene
 
 TIME = np.array([0.0, 1.0, 2.0, 4.0])
 
@@ -27,7 +25,7 @@ def test_the_summary_tells_when_the_front_comes(tmp_path):
     case: Case = scene("dam_break", spacing=0.1).changed(end_time=0.35, probes=[
         WaterFront("front", arrival=1.3), WaterFront("far", arrival=1.99),
         ProbeArray("gauges", [SurfaceGauge("a", at=0.2, arrival=0.9), SurfaceGauge("b", at=1.5)])])
-    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    summary = run_alone(case, tmp_path / "run")
     front = reader.open_run(tmp_path / "run").probe("front")
     found = summary["arrivals"]
     assert list(found) == ["front", "far", "gauges.a"] and found["far"] is None

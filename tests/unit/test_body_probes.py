@@ -4,16 +4,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Box, Case, CaseError, Disc, Fluid, Force, Numerics, Polygon, PressureTap, RunUp, Simulation, Tank
+from parisph import Box, Case, CaseError, Disc, Fluid, Force, Numerics, Polygon, PressureTap, RunUp, Tank
 from parisph.case.bodies import Obstacle, Piston, Profile, StillWater
 from parisph.case.motion import Heave, Sway
 from parisph.geometry.mesh import CONVEX
 from parisph.geometry.movers import MovedNodes
 from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.instruments import build, sample_all
-from tests.scenes import water
+from tests.scenes import simulated, water
 from tests.watched import DENSITY, G, Watch
 
 LEVEL, GRADIENT = 0.8, np.array([20.0, -50.0])
@@ -38,7 +37,7 @@ def linear(arrays):
 def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
     about = (0.1, -0.3)
     probe = Force("load", on="stone", about=about, still=LEVEL)
-    watch = Watch(scene([probe], Obstacle(shape, name="stone")), MPI.COMM_SELF, linear)
+    watch = Watch(scene([probe], Obstacle(shape, name="stone")), change=linear)
     fx, fy, moment, *dynamic = watch.sample()["load"]
     lift, arm = -GRADIENT * area, np.array(centre) - about
     np.testing.assert_allclose((fx, fy), lift, rtol=1e-9)
@@ -74,11 +73,10 @@ def test_the_dynamic_force_of_water_at_rest_is_zero():
     flume = scene(bed, Tank(1.5, 1.0, at=(-0.3, 0.0)), Piston(0.0, motion=Sway(amplitude=1e-9, frequency=1.0),
                                                               name="board"), tank=False, rtol=1e-12)
     for case in (scene(probes, *bodies, rtol=1e-12), alone, flume):
-        simulation = Simulation(case, MPI.COMM_SELF)
+        simulation = simulated(case)
         simulation.solve_start()
         samplers = build(case, simulation.comm)
         found = sample_all(samplers, simulation.particles, simulation.domain, 0.0)
-        simulation.destroy()
         for sampler in samplers:
             values = dict(zip(sampler.columns, found[sampler.name]))
             assert "with the hydrostatic part; dynamic: less that of water at rest up to y = 0.8 m" in sampler.title
@@ -94,10 +92,9 @@ def test_taps_beside_the_foot_of_a_wavemaker_have_the_pressure_there():
     taps = [*(PressureTap(f"y{y}", at=(0.0, y)) for y in heights), PressureTap("bed", at=(0.1, 0.0))]
     case = scene(taps, Tank(1.5, 1.0, at=(-0.3, 0.0)), Piston(0.0, motion=Sway(amplitude=1e-9, frequency=1.0)),
                  tank=False, rtol=1e-12)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     simulation.solve_start()
     found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
-    simulation.destroy()
     due = [*(DENSITY * G * (LEVEL - y) for y in heights), DENSITY * G * LEVEL]
     assert [value for value, in found.values()] == pytest.approx(due, rel=1e-9)
 
@@ -112,10 +109,9 @@ def test_bodies_and_sides_of_the_tank_add_up_to_the_weight_of_the_water():
     bodies = Obstacle(Box(0.3, 0.2, at=(0.1, 0.0)), name="sill"), Obstacle(Disc(0.15, at=(0.8, 0.4)), name="buoy")
     probes = [Force("sill", on="sill"), Force("buoy", on="buoy"), Force("tank"), Force("right", side="right")]
     case = scene(probes, *bodies, rtol=1e-12)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     simulation.solve_start()
     found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
-    simulation.destroy()
     weight = DENSITY * G
     assert found["sill"][:2] == (pytest.approx(0.0, abs=1e-6 * weight), pytest.approx(-0.3 * 0.6 * weight, rel=1e-9))
     assert found["buoy"][1] == pytest.approx(np.pi * 0.15**2 * weight, rel=0.02)    # of a polygon of 19 sides
@@ -129,10 +125,10 @@ def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side,
     basin = Profile([(0.0, 0.6), (0.6, 0.0), (1.4, 0.0), (2.0, 0.6)], name="basin")
     case = water(StillWater(0.3), (basin, Obstacle(Box(0.2, 0.1, at=(0.9, 0.0)))), 0.025,
                  probes=[RunUp("up", on="basin", side=side)])
-    assert Watch(case, MPI.COMM_SELF).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
+    assert Watch(case).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
     hill = Profile([(0.0, 0.0), (2.0, 0.6)], name="hill")
     with pytest.raises(CaseError, match="side = 'left': hill is lowest at this end"):
-        Watch(case.changed(walls=(hill,), probes=[RunUp("up", on="hill", side="left")]), MPI.COMM_SELF)
+        Watch(case.changed(walls=(hill,), probes=[RunUp("up", on="hill", side="left")]))
 
 
 @pytest.mark.parametrize("probe, message", [
@@ -183,7 +179,7 @@ class Sinking:
 def test_a_body_without_a_law_moves_by_the_force_that_the_probe_measures():
     heavy, start = 5.0 * DENSITY * np.pi * 0.15**2, 0.45
     disc = Obstacle(Disc(0.15, at=(0.6, start)), name="disc", motion=Heave(amplitude=0.05, frequency=1.0))
-    simulation = Simulation(scene([Force("load", on="disc")], disc, max_time_step=0.01), MPI.COMM_SELF)
+    simulation = simulated(scene([Force("load", on="disc")], disc, max_time_step=0.01))
     mover, p = Sinking(simulation, "disc", heavy), simulation.particles
     with pytest.raises(CaseError, match="no body 'tank' moves .those that do: disc."):
         mover.elements.let_move("tank", mover)
@@ -193,7 +189,6 @@ def test_a_body_without_a_law_moves_by_the_force_that_the_probe_measures():
         mover.advance()
         assert sample_all(probes, p, simulation.domain, simulation.time)["load"] == mover.load()
     own = p.body == 1
-    simulation.destroy()
     assert p.x[own].mean(axis=0) == pytest.approx((0.6, start + mover.at[1]), abs=0.002)
     # (M - m) / (M + A) g, with an added mass A between that in boundless water, m, and twice as much
     assert -4.0 / 6.0 < mover.pull[1] / G < -4.0 / 7.0 and abs(mover.pull[0]) < 0.05 * G

@@ -18,10 +18,6 @@ def test_body_survives_json(body):
     assert TypeAdapter(Body).validate_json(body.model_dump_json()) == body
 
 
-def test_still_water_survives_json():
-    assert StillWater.model_validate_json(StillWater(0.25).model_dump_json()) == StillWater(level=0.25)
-
-
 @pytest.mark.parametrize(("points", "side", "left"), [
     (SLOPE, None, True), (SLOPE[::-1], None, False), (SLOPE, "right", False), ([(1.0, 0.0), (1.0, 1.0)], "left", True)])
 def test_fluid_is_above_a_profile_unless_its_side_is_given(points, side, left):

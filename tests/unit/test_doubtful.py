@@ -5,7 +5,6 @@ from time import process_time
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Case, CaseError, Fluid, Force, Numerics, Output, Relaxation, RunUp, Sponge, Tank
 from parisph.case.bodies import Obstacle, Piston, Plate, StillWater
@@ -14,9 +13,10 @@ from parisph.case.load import load
 from parisph.case.motion import Heave, PistonStroke, Roll, Series, Sway
 from parisph.case.wave_sizes import size_of, sizes, strain_rate
 from parisph.case.waves import Airy, Jonswap, SolitaryWave, StandingWave, Stokes
-from parisph.driver import Simulation, describe, precheck, run
+from parisph.driver import describe, precheck
 from tests.lasting import obstacles
 from tests.lasting.long import Setting
+from tests.scenes import run_alone, simulated
 
 CASES = Path(__file__).parents[2] / "cases"
 STILL = Fluid(StillWater(level=0.5), density=1000.0)
@@ -172,7 +172,7 @@ FAULTS = {
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_run_and_its_check_refuse_the_same(name):
     text, make = FAULTS[name]
-    for use in (describe, lambda case: Simulation(case, MPI.COMM_SELF)):
+    for use in (describe, lambda case: simulated(case)):
         with pytest.raises(CaseError, match=text):
             use(make())
 
@@ -195,7 +195,7 @@ def test_irregular_waves_for_days_are_checked_at_once():
 def test_a_run_carries_what_was_doubtful(tmp_path):
     case = still(0.03, numerics=Numerics(spacing=0.05), end_time=0.05)
     told = [text for text in precheck.early_warnings(case, {"all": 1}, precheck.scales.expected(case))]
-    summary = run(case, MPI.COMM_SELF, str(tmp_path / "run"), progress=False)
+    summary = run_alone(case, str(tmp_path / "run"))
     assert len(told) == 1 and summary["warnings"] == told and summary["status"] == "completed with warnings"
     assert told[0] in (tmp_path / "run" / "run.log").read_text()
 

@@ -10,32 +10,29 @@ from parisph.base import vocabulary
 from parisph.methods import parts
 from parisph.methods.catalogue import parts_of
 
+TANK = Tank(2.0, 2.0)
 
-def scene(friction, walls=None, **numerics):
-    return Case(title="test", fluid=Fluid(Box(1.0, 1.0), density=1000.0), walls=walls or Tank(2.0, 2.0),
+
+def scene(friction, walls=TANK, **numerics):
+    return Case(title="test", fluid=Fluid(Box(1.0, 1.0), density=1000.0), walls=walls,
                 gravity=(0.0, -9.81), friction=friction, numerics=Numerics(spacing=0.1, **numerics), end_time=1.0)
 
 
 @pytest.mark.parametrize("friction, walls, numerics, message", [
-    (Friction(roughness=0.2), None, {}, r"friction.roughness = 0.2: must be at most the spacing, here 0.1"),
-    (Friction(), None, {"forces": ("body",)}, "friction: needs the force 'friction'; add it to numerics.forces"),
-    (Friction(), None, {"method": "SPH"}, "friction: weakly compressible SPH has none"),
+    (Friction(roughness=0.2), TANK, {}, r"friction.roughness = 0.2: must be at most the spacing, here 0.1"),
+    (Friction(), TANK, {"forces": ("body",)}, "friction: needs the force 'friction'; add it to numerics.forces"),
+    (Friction(), TANK, {"method": "SPH"}, "friction: weakly compressible SPH has none"),
     (Friction(), Tank(2.0, 2.0, no_slip=True), {}, "friction: acts on walls along which fluid slips"),
     (Friction(), Tank(2.0, 2.0, no_slip=("left", "right", "bottom")), {}, "this scene has none"),
-    ("yes", None, {}, r"friction.*write friction=Friction\(\)"),
-    (True, None, {}, r"friction.*write friction=Friction\(\)"),
-    ({"viscosity": -1.0}, None, {}, "friction.viscosity = -1"),
-    ({"viscosity": 0.0}, None, {}, "then there is no friction; give one of them"),
+    (Friction(), None, {}, "along which fluid slips, and this scene has none"),
+    ("yes", TANK, {}, r"friction.*write friction=Friction\(\)"),
+    (True, TANK, {}, r"friction.*write friction=Friction\(\)"),
+    ({"viscosity": -1.0}, TANK, {}, "friction.viscosity = -1"),
+    ({"viscosity": 0.0}, TANK, {}, "then there is no friction; give one of them"),
 ])
 def test_what_makes_no_sense_is_refused(friction, walls, numerics, message):
     with pytest.raises(CaseError, match=message):
         scene(friction, walls, **numerics)
-
-
-def test_a_scene_without_walls_has_no_friction():
-    with pytest.raises(CaseError, match="along which fluid slips, and this scene has none"):
-        Case(title="drop", fluid=Fluid(Box(1.0, 1.0), density=1000.0), gravity=(0.0, -9.81), friction=Friction(),
-             numerics=Numerics(spacing=0.1), end_time=1.0)
 
 
 def test_one_wall_to_slip_along_is_enough():

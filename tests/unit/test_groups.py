@@ -22,18 +22,16 @@ def find(columns, *marked):
     return isolated_rows(SELF, 0, *to_csr(columns), flags(len(columns), *marked))[0].tolist()
 
 
-def test_one_of_two_groups_has_no_anchor():
-    columns = [[0, 1], [1, 0, 2], [2, 1], [3, 4], [4, 3]]
-    assert find(columns, 2) == [False, False, False, True, True]
-    assert find(columns, 2, 3) == [False] * 5
-    assert find(columns) == [True] * 5
+TWO = [[0, 1], [1, 0, 2], [2, 1], [3, 4], [4, 3]]
+# The row of wall 0 contains fluid 1 and 2, but their rows do not contain it, so its anchor does not help them.
+ONE_WAY = [[0, 1, 2], [1, 2], [2, 1]]
 
 
-def test_entries_are_followed_in_their_direction_only():
-    # The row of wall 0 contains fluid 1 and 2, but their rows do not contain it, so its anchor does not help them.
-    columns = [[0, 1, 2], [1, 2], [2, 1]]
-    assert find(columns, 0) == [False, True, True]
-    assert find(columns, 2) == [False, False, False]
+@pytest.mark.parametrize("columns, marked, isolated", [
+    (TWO, (2,), [False, False, False, True, True]), (TWO, (2, 3), [False] * 5), (TWO, (), [True] * 5),
+    (ONE_WAY, (0,), [False, True, True]), (ONE_WAY, (2,), [False] * 3)])
+def test_groups_without_an_anchor_to_which_an_entry_leads(columns, marked, isolated):
+    assert find(columns, *marked) == isolated
 
 
 def test_the_matrix_is_regular_exactly_when_no_row_is_isolated():

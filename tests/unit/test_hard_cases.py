@@ -13,6 +13,7 @@ from tests.hard import columns, drops, flow, scenes, table, waves
 from tests.hard.impulse import lost_energy
 from tests.hard.scene import Scene
 from tests.hard.table import Line, Outcome
+from tests.scenes import simulated
 
 
 def by_differences(thickness, n):
@@ -158,7 +159,7 @@ def test_centre_pressure_of_a_drop():
 
 
 @pytest.mark.parametrize("width", [2, 3, 4])
-def test_energy_of_a_column_that_spreads_from_a_wall_is_exact(width, simulated):
+def test_energy_of_a_column_that_spreads_from_a_wall_is_exact(width):
     """Of u = x and the mean height as x and u change; one velocity per volume has 31 % too much for a width of two."""
     s = simulated(columns.column(width, "wall"))
     p = s.particles

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.kernels.cells import _ordered, neighbour_lists
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import dims
 
 
 def jittered(dim, side, seed=0):

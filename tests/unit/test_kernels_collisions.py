@@ -5,9 +5,7 @@ import pytest
 
 from parisph.base.fields import WALL
 from parisph.kernels import collisions, solids
-from tests.pools import block, free, part, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, free, part, tank
 
 
 def collided(pool, u, distance=0.85, restitution=0.2, volume=None, gradient=None):
@@ -164,21 +162,26 @@ def test_walls_take_no_part():
 # -- the wall guard -----------------------------------------------------------------------------------
 
 
+def crowded(dim):
+    return tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
+
+
+def rooms(pool, x):
+    """Return the distances (n,) from the nearest wall if particles were at x."""
+    return np.concatenate([x, (pool.top * pool.spacing - x)[:, :-1]], axis=1).min(axis=1)
+
+
 @dims
 @pytest.mark.parametrize("dt", [1e-4, 0.01, 1.0])
 def test_no_particle_gets_nearer_than_the_distance(dim, dt):
-    pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
+    pool = crowded(dim)
     u = np.where(pool.fluid[:, None], np.random.default_rng(0).normal(scale=0.1 / dt, size=pool.x.shape), 0.0)
     after, slowed = guarded(pool, u, dt=dt)
-    moved = pool.x + dt * after
-    room = np.concatenate([moved, (pool.top * pool.spacing - moved)[:, :-1]], axis=1)[pool.fluid]
-    assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
+    assert rooms(pool, pool.x + dt * after)[pool.fluid].min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
     changed = np.any(after != u, axis=1)
     assert slowed == np.count_nonzero(changed) > 0
     # a particle that stays away from the wall keeps its velocity
-    free_flight = pool.x + dt * u
-    safe = np.concatenate([free_flight, (pool.top * pool.spacing - free_flight)[:, :-1]], axis=1)
-    unhurt = pool.fluid & (safe > 0.5 * pool.spacing * (1.0 + 1e-9)).all(axis=1)
+    unhurt = pool.fluid & (rooms(pool, pool.x + dt * u) > 0.5 * pool.spacing * (1.0 + 1e-9))
     assert np.count_nonzero(unhurt) > 0 and not changed[unhurt].any() and not changed[~pool.fluid].any()
 
 
@@ -229,16 +232,12 @@ def test_guard_moves_with_the_wall():
 
 @dims
 def test_displacements_keep_off_walls(dim):
-    pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
+    pool = crowded(dim)
     move = np.random.default_rng(4).normal(scale=0.6 * pool.spacing, size=pool.x.shape)
     before = move.copy()
     solids.keep_off(move, pool.cloud, pool.walls, 0.5 * pool.spacing)
-    moved = pool.x + move
-    room = np.concatenate([moved, (pool.top * pool.spacing - moved)[:, :-1]], axis=1)[pool.fluid]
-    assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
+    assert rooms(pool, pool.x + move)[pool.fluid].min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
     np.testing.assert_array_equal(move[~pool.fluid], before[~pool.fluid])
-    free_move = pool.x + before
-    safe = np.concatenate([free_move, (pool.top * pool.spacing - free_move)[:, :-1]], axis=1)
-    unhurt = pool.fluid & (safe > 0.5 * pool.spacing * (1.0 + 1e-9)).all(axis=1)
+    unhurt = pool.fluid & (rooms(pool, pool.x + before) > 0.5 * pool.spacing * (1.0 + 1e-9))
     assert np.count_nonzero(unhurt) > 0
     np.testing.assert_array_equal(move[unhurt], before[unhurt])

@@ -8,10 +8,9 @@ from parisph.kernels import curvature, surface_rows, walls
 from parisph.kernels.curvature import Bending
 from parisph.kernels.gradient import least_squares_gradient
 from parisph.kernels.near import Form
-from tests.pools import Rows, free, monomials, nowhere, tank
+from tests.pools import Rows, dims, free, monomials, nowhere, tank
 
 RADIUS = 2.6
-dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 def jittered(dim):

@@ -5,9 +5,8 @@ import pytest
 
 from parisph.base.fields import SURFACE, WALL
 from parisph.kernels import even_spacing
-from tests.pools import block, tank
+from tests.pools import block, dims, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 STRENGTH = 0.1
 STIFFNESS = {2: 1.67, 3: 1.96}    # push of a lattice over the displacement of one particle of it
 

@@ -5,10 +5,9 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, SURFACE
 from parisph.kernels import films
-from tests.pools import free, tank
+from tests.pools import dims, free, tank
 
 G, DT = 10.0, 0.5
-dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 def film(dim, layers=1):
@@ -40,9 +39,14 @@ def test_the_depth_obeys_continuity(dim):
     np.testing.assert_allclose(found[:, :-1], u[inside, :-1])
 
 
-def test_fluid_that_moves_along_as_a_whole_keeps_its_depth():
-    pool, inside = film(2)
-    assert np.abs(settled(pool, np.full(pool.x.shape, [0.05, 0.0]))[inside]).max() < 1e-15
+@pytest.mark.parametrize(("layers", "u", "force"), [
+    (1, (0.05, 0.0), None),    # moves along as a whole
+    (1, (0.0, 1.0), (0.0, G)), (1, (0.0, 1.0), (G, 0.0)),    # below a wall, and beside it
+    (2, (1.0, 1.0), None), (2, (1.0, 1.0, 1.0), None),    # no film
+])
+def test_what_keeps_its_depth_or_is_no_film_stays_as_it_is(layers, u, force):
+    pool, inside = film(len(u), layers)
+    assert np.abs(settled(pool, np.full(pool.x.shape, u), force)[inside]).max() < 1e-15
 
 
 def test_no_more_than_the_force_can_do():
@@ -58,18 +62,6 @@ def test_films_that_flow_are_left_alone():
     for speed, left in ((0.5 * calm, 0.75), (1.01 * calm, 0.0), (20.0 * calm, 0.0)):
         change = settled(pool, np.full(pool.x.shape, [speed, 0.1]))[inside, 1]
         np.testing.assert_allclose(change, -0.1 * left)
-
-
-@pytest.mark.parametrize("force", [(0.0, G), (G, 0.0)])
-def test_nothing_holds_a_film_below_a_wall_or_beside_it(force):
-    pool, inside = film(2)
-    assert np.all(settled(pool, np.full(pool.x.shape, [0.0, 1.0]), force)[inside] == 0.0)
-
-
-@dims
-def test_two_layers_are_no_film(dim):
-    pool, inside = film(dim, layers=2)
-    assert np.all(settled(pool, np.ones(pool.x.shape))[inside] == 0.0)
 
 
 def test_uneven_fluid_is_settled_as_far_as_it_is_a_layer():

@@ -7,9 +7,8 @@ from parisph.base.fields import DRY, INNER, WALL
 from parisph.kernels import flux, gradient, rankine
 from parisph.kernels.circle import Circle
 from parisph.kernels.near import Form
-from tests.pools import Rows, block, free, nowhere, tank
+from tests.pools import Rows, block, dims, free, nowhere, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 jitters = pytest.mark.parametrize("jitter", [0.0, 0.8, 1.2])
 CIRCLE, MLS = 0.5, 2.1
 

@@ -8,9 +8,8 @@ from parisph.kernels import gradient
 from parisph.kernels.moments import second_moment
 from parisph.kernels.near import Form
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
-from tests.pools import block, free, monomials, nowhere, tank
+from tests.pools import block, dims, free, monomials, nowhere, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 powers = pytest.mark.parametrize("power", [0, 2])
 RADIUS = {0: 2.6, 2: 2.1}
 FLOOR = {0: 0.05, 2: 0.2}

@@ -5,9 +5,7 @@ import pytest
 
 from parisph.base.fields import WALL
 from parisph.kernels import halves
-from tests.pools import tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import dims, tank
 
 
 def filled(dim, **how):

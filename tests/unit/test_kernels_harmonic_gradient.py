@@ -6,9 +6,7 @@ import pytest
 from parisph.base.fields import SURFACE, WALL
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.harmonic_gradient import harmonic_gradient
-from tests.pools import block, free, harmonic_cubics, harmonic_quadratics, monomials, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, free, harmonic_cubics, harmonic_quadratics, monomials, tank
 
 
 def jittered(dim):

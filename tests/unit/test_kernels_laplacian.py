@@ -6,9 +6,8 @@ import pytest
 from parisph.base.fields import DRY, INNER, SURFACE
 from parisph.kernels import laplacian
 from parisph.kernels.smoothing import cubic_spline_slope
-from tests.pools import Rows, block, free
+from tests.pools import Rows, block, dims, free
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 H = 1.8
 
 

@@ -10,10 +10,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import CLOSE, LANES, room_for
 from parisph.kernels.smoothing import quartic_weight
-from tests.pools import block, free
-
-dims = pytest.mark.parametrize("dim", [2, 3])
-
+from tests.pools import block, dims, free
 
 # Inlined functions are made for use inside kernels. These two are compiled anew each time: a cache
 # would not notice a change in what they inline.

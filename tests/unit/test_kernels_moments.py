@@ -6,9 +6,7 @@ import pytest
 from parisph.base.fields import CONTACT, DRY
 from parisph.kernels import moments
 from parisph.kernels.smoothing import quartic_weight
-from tests.pools import block, free
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, free
 
 
 def definite(n, seed=0):

@@ -5,9 +5,7 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import pairs
-from tests.pools import block, free, part, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, free, part, tank
 
 
 def turned(pool, ident, distance=0.7, strength=0.05):

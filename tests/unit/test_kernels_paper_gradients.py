@@ -7,9 +7,8 @@ from parisph.base.fields import BALLISTIC
 from parisph.kernels import gradient
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
-from tests.pools import block, monomials, nowhere
+from tests.pools import block, dims, monomials, nowhere
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 weights = pytest.mark.parametrize("weight", [SPLINE_SLOPE, SPLINE])
 H = 1.8
 REACH = 2.0 * H

@@ -1,14 +1,11 @@
 """The potential flow that a velocity is close to."""
 
 import numpy as np
-import pytest
 
 from parisph.base.fields import BALLISTIC, WALL, WET
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.potential_fit import Potential, fit_potential
-from tests.pools import harmonic_cubics, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import dims, harmonic_cubics, tank
 
 
 def fit(pool, u):

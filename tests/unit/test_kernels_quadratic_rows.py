@@ -7,9 +7,8 @@ from parisph.base.fields import DRY, INNER, SURFACE
 from parisph.kernels import fatehi, gfd, quadratic_circle, rankine, row
 from parisph.kernels.circle import Circle
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
-from tests.pools import Rows, block, free, monomials
+from tests.pools import Rows, block, dims, free, monomials
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 names = pytest.mark.parametrize("name", ["gfd", "circle", "fatehi"])
 H, RADIUS, CIRCLE = 1.8, 2.6, 1.0
 

@@ -7,9 +7,8 @@ from parisph.base.fields import CONTACT, DRY, INNER, SURFACE, WALL
 from parisph.kernels import rankine
 from parisph.kernels.circle import Circle
 from parisph.kernels.smoothing import quartic_weight
-from tests.pools import Rows, block, free, monomials, tank
+from tests.pools import Rows, block, dims, free, monomials, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 jitters = pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8, 1.2])
 CIRCLE, MLS = 0.5, 2.1
 

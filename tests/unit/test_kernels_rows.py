@@ -8,9 +8,7 @@ from parisph.case.methods import METHODS
 from parisph.kernels.records import cloud_of
 from parisph.kernels.row import looked_over, split_rows
 from tests.made_rows import PROJECTIONS, rows_of_method
-from tests.pools import block, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, tank
 
 
 def rows_of(pool, method="ISPH_R", wall_rows="sfdi", u=None, made=None, offset=0.0):

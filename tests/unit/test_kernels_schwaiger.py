@@ -6,9 +6,8 @@ import pytest
 from parisph.base.fields import DRY, INNER, SURFACE
 from parisph.kernels import schwaiger
 from parisph.kernels.smoothing import cubic_spline_slope
-from tests.pools import Rows, block, free, monomials
+from tests.pools import Rows, block, dims, free, monomials
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 names = pytest.mark.parametrize("name", ["cisph1", "cisph2"])
 H = 1.8
 DEEP = 4    # layers within the support of the kernel
@@ -74,9 +73,8 @@ def test_printed_sign_is_wrong(name):
 @dims
 @pytest.mark.parametrize("jitter", [0.0, 0.8, 1.2])
 def test_cisph2_is_exact_for_linear_pressure_on_any_particles(dim, jitter):
-    pool = cloud(dim, jitter)
-    rows = filled(pool, "cisph2")
-    for f, _, _ in monomials(pool.x, 1):
+    rows = filled(cloud(dim, jitter), "cisph2")
+    for f, _, _ in monomials(rows.pool.x, 1):
         np.testing.assert_allclose(laplacians(rows, 2.0 + f), 0.0, atol=1e-10)
 
 

@@ -5,9 +5,8 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE
 from parisph.kernels import packing, shifting
-from tests.pools import block, tank
+from tests.pools import block, dims, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 H, LIMIT, REACH = 1.3, 0.1, 2.6
 
 

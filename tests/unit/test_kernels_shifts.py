@@ -1,14 +1,12 @@
 """The shifts of Xu et al., Lind et al. and Sriram & Ma."""
 
 import numpy as np
-import pytest
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE
 from parisph.kernels import shifts, surface
 from parisph.kernels.smoothing import cubic_spline
-from tests.pools import block, free, tank
+from tests.pools import block, dims, free, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 H, RADIUS = 1.3, 2.6
 
 

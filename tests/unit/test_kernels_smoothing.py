@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from parisph.kernels import smoothing
+from tests.pools import dims
 
 H = 0.7
 VALUE, SLOPE = smoothing.cubic_spline, smoothing.cubic_spline_slope
-dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 def sampled(function, r, dim, h=H):

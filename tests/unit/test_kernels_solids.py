@@ -110,11 +110,19 @@ def test_lists_of_elements_hold_all_that_are_near(dim):
     assert fluid(x, corners[:0])[1].indptr.tolist() == [0] * 13
 
 
-def test_far_side_of_a_plate_is_in_front_of_nobody():
-    corners = wall_mesh([Plate([(0.0, 0.0), (0.0, 1.0)])], S).corners()
-    (wall,), = walls_of([(0.03, 0.51)], corners)
-    np.testing.assert_allclose(wall[0], [1.0, 0.0], atol=1e-12)
-    assert wall[1] == pytest.approx(0.03)
+UPRIGHT = Plate([(0.0, 0.0), (0.0, 1.0)])
+
+
+@pytest.mark.parametrize(("body", "at", "nearest"), [
+    (UPRIGHT, (0.03, 0.51), (0.0, 0.51)),    # its far side is in front of nobody
+    (Obstacle(Box(1.0, 0.5)), (1.03, 0.54), (1.0, 0.5)),
+    *((UPRIGHT, (x, 1.03), (0.0, 1.0)) for x in (0.0, 0.001, -0.001)),
+])
+def test_only_the_nearest_place_on_a_plate_a_corner_or_a_tip_counts(body, at, nearest):
+    (wall,), = walls_of([at], wall_mesh([body], S).corners())
+    away = np.subtract(at, nearest)
+    np.testing.assert_allclose(wall[0], away / np.linalg.norm(away), atol=1e-9)
+    assert wall[1] == pytest.approx(np.linalg.norm(away))
 
 
 def test_flat_wall_and_corner_in_2d():
@@ -133,23 +141,6 @@ def test_edges_and_corners_in_3d():
     walls, = walls_of([(0.04, 0.02, 0.031)], corners)
     np.testing.assert_allclose([wall[0] for wall in walls], np.eye(3)[[1, 2, 0]], atol=1e-12)
     np.testing.assert_allclose([wall[1] for wall in walls], [0.02, 0.031, 0.04])
-
-
-def test_beside_a_convex_corner_only_the_corner_counts():
-    corners = wall_mesh([Obstacle(Box(1.0, 0.5))], S).corners()
-    walls, = walls_of([(1.03, 0.54)], corners)
-    assert len(walls) == 1
-    np.testing.assert_allclose(walls[0][0], [0.6, 0.8], rtol=1e-9)
-    assert walls[0][1] == pytest.approx(0.05)
-
-
-@pytest.mark.parametrize("at", [(0.0, 1.03), (0.001, 1.03), (-0.001, 1.03)])
-def test_ahead_of_a_tip_only_the_tip_counts(at):
-    corners = wall_mesh([Plate([(0.0, 0.0), (0.0, 1.0)])], S).corners()
-    (wall,), = walls_of([at], corners)
-    away = np.array(at) - [0.0, 1.0]
-    np.testing.assert_allclose(wall[0], away / np.linalg.norm(away), atol=1e-9)
-    assert wall[1] == pytest.approx(np.linalg.norm(away))
 
 
 def test_beyond_an_edge_that_no_other_element_shares_only_the_edge_counts():

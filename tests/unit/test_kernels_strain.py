@@ -5,9 +5,7 @@ import pytest
 
 from parisph.base.fields import DRY
 from parisph.kernels import strain
-from tests.pools import block, free, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import block, dims, free, tank
 
 
 def found(pool, u, floor=0.05):

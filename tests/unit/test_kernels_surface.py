@@ -6,7 +6,7 @@ import pytest
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, INNER, SURFACE, WALL
 from parisph.kernels import surface
 from parisph.methods.surfaces import PositionDivergence
-from tests.pools import block, free, part, tank
+from tests.pools import block, dims, free, part, tank
 
 ENTER, LEAVE, THIN = 2.3, 1.4, 0.55
 GAP_RADIUS, DOMAIN = 2.0, 2.6
@@ -198,14 +198,15 @@ def test_surface_keeps_its_particles_on_the_way_down():
 # -- walls ---------------------------------------------------------------------------------------------
 
 
-def test_elements_close_the_gap_at_a_wall_of_few_particles():
-    # fluid along a wall whose particles are three times as far apart: its elements stand for it
+# fluid along a wall whose particles are three or four times as far apart: its elements stand for it
+@pytest.mark.parametrize(("every", "find"), [
+    (3, lambda pool: by_gap(pool, alpha=np.ones(pool.n))),
+    (4, lambda pool: by_auxiliary(pool, np.where(pool.fluid & (np.arange(pool.n) % 2 == 0), SURFACE, INNER),
+                                  np.ones(pool.n)))])
+def test_elements_close_the_gap_and_occupy_quadrants_at_a_wall_of_few_particles(every, find):
     pool = tank((12, 10))
-    keep = pool.fluid | (pool.index % 3 == 0).any(axis=1)
-    sparse = part(pool, keep)
-    role = by_gap(sparse, alpha=np.ones(sparse.n))
-    deep = sparse.fluid & (sparse.index[:, 1] < 10)
-    assert np.all(role[deep] == INNER)
+    sparse = part(pool, pool.fluid | (pool.index % every == 0).any(axis=1))
+    assert np.all(find(sparse)[sparse.fluid & (sparse.index[:, 1] < 10)] == INNER)
 
 
 def test_drop_touching_a_wall_is_surface_all_round():
@@ -285,16 +286,17 @@ def test_condition_b_thin_and_near_the_surface(alpha, expected):
     assert ring(*ALL_ROUND, alpha=alpha) == expected
 
 
-def test_condition_c_an_empty_quadrant():
-    # all four sectors about the axes hold a particle, the quadrant x, y > 0 does not
-    assert ring(-40, -44, 134, 136, 170, 225, 226, 271, -10, 100) == SURFACE
-    assert ring(-40, -44, 134, 136, 170, 225, 226, 271, -10, 100, 45) == INNER
-
-
-def test_condition_d_an_empty_sector_about_an_axis():
-    # all four quadrants hold a particle, the sector about +y does not
-    assert ring(30, 40, 140, 150, 200, 250, 290, 340) == SURFACE
-    assert ring(30, 40, 140, 150, 200, 250, 290, 340, 91) == INNER
+@pytest.mark.parametrize(("degrees", "role"), [
+    # condition (c): all four sectors about the axes hold a particle, the quadrant x, y > 0 does not
+    ((-40, -44, 134, 136, 170, 225, 226, 271, -10, 100), SURFACE),
+    ((-40, -44, 134, 136, 170, 225, 226, 271, -10, 100, 45), INNER),
+    # condition (d): all four quadrants hold a particle, the sector about +y does not
+    ((30, 40, 140, 150, 200, 250, 290, 340), SURFACE), ((30, 40, 140, 150, 200, 250, 290, 340, 91), INNER),
+    # a neighbour on an axis occupies both sides
+    ((0, 90, 180, 270), INNER), ((45, 135, 225, 315), INNER), ((0, 90, 180), SURFACE),
+])
+def test_empty_quadrants_and_sectors_about_an_axis(degrees, role):
+    assert ring(*degrees) == role
 
 
 @pytest.mark.parametrize("alpha", [0.5, 1.0])
@@ -310,25 +312,10 @@ def test_condition_e_is_within_the_others():
     assert ring(80, 100, alpha=0.5, one_on_surface=False, was_centre=SURFACE) == SURFACE
 
 
-def test_neighbour_on_an_axis_occupies_both_sides():
-    assert ring(0, 90, 180, 270) == INNER
-    assert ring(45, 135, 225, 315) == INNER
-    assert ring(0, 90, 180) == SURFACE
-
-
 def test_particle_in_the_same_place_occupies_no_quadrant():
     pool = free(np.vstack([around(170, 190, 200).index, [[0.0, 0.0]]]))
     was = np.array([INNER, INNER, INNER, SURFACE, INNER])
     assert by_auxiliary(pool, was, np.ones(5))[0] == SURFACE
-
-
-def test_what_is_across_a_wall_occupies_quadrants():
-    pool = tank((12, 10))
-    keep = pool.fluid | (pool.index % 4 == 0).any(axis=1)
-    sparse = part(pool, keep)
-    was = np.where(sparse.fluid & (np.arange(sparse.n) % 2 == 0), SURFACE, INNER)
-    role = by_auxiliary(sparse, was, np.ones(sparse.n))
-    assert np.all(role[sparse.fluid & (sparse.index[:, 1] < 10)] == INNER)
 
 
 # -- density rule --------------------------------------------------------------------------------------
@@ -348,7 +335,6 @@ def test_density_rule(dim):
 
 # -- divergence of position ------------------------------------------------------------------------------
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 SIDES = {2: (14, 10), 3: (8, 8, 8)}
 
 

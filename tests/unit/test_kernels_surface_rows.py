@@ -7,9 +7,7 @@ from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import records
 from parisph.kernels.surface_rows import surface_rows
 from parisph.pressure.rows import add_surface_values
-from tests.pools import Rows, block, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import Rows, block, dims, tank
 
 
 def rows(pool, share=1.0, offset=0.5):

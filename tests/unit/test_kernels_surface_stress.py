@@ -5,9 +5,8 @@ import pytest
 
 from parisph.base.fields import ABSENT, FLUID, SURFACE, WALL
 from parisph.kernels import surface_stress, viscous
-from tests.pools import block, tank
+from tests.pools import block, dims, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 jitters = pytest.mark.parametrize("jitter", [0.0, 0.6])
 H, RADIUS = 1.3, 2.6
 

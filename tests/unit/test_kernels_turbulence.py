@@ -1,14 +1,12 @@
 """Smagorinsky's model on known velocity gradients."""
 
 import numpy as np
-import pytest
 
 from parisph.base.fields import FLUID, WALL
 from parisph.kernels import strain, turbulence
 from parisph.kernels.jit import axes_of
-from tests.pools import block
+from tests.pools import block, dims
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 LENGTH = 0.012
 
 

@@ -6,9 +6,8 @@ import pytest
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, WALL
 from parisph.kernels import viscous
 from tests.manufactured import orders
-from tests.pools import block, monomials, tank
+from tests.pools import block, dims, monomials, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 forms = pytest.mark.parametrize("form", [viscous.morris, viscous.corrected])
 H, RADIUS = 1.3, 2.6
 

@@ -10,7 +10,7 @@ from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater
 from parisph.kernels.records import cloud_of
 from parisph.kernels.wall_law import Law, rub, wall_stress
-from tests.pools import elements_near, tank
+from tests.pools import dims, elements_near, tank
 from tests.wall_scenes import filled
 
 NU = 1e-6
@@ -22,16 +22,10 @@ def wall_units(speed, y, nu=NU, roughness=0.0):
     return speed / shear, y / roughness if roughness else y * shear / nu
 
 
-@pytest.mark.parametrize("speed", [0.001, 0.003, 0.01])
-def test_close_to_a_wall_the_stress_is_viscous(speed):
+@pytest.mark.parametrize("speed", [0.001, 0.003, 0.01, 0.05, 0.3, 1.0, 10.0])
+def test_close_to_a_wall_the_stress_is_viscous_and_farther_off_the_velocity_a_power_of_the_distance(speed):
     u, y = wall_units(speed, 0.005)
-    assert y < 11.8 and u == pytest.approx(y, rel=1e-12)
-
-
-@pytest.mark.parametrize("speed", [0.05, 0.3, 1.0, 10.0])
-def test_farther_off_the_velocity_is_a_power_of_the_distance(speed):
-    u, y = wall_units(speed, 0.005)
-    assert y > 11.8 and u == pytest.approx(8.3 * y ** (1.0 / 7.0), rel=1e-12)
+    assert (y < 11.8) == (speed < 0.03) and u == pytest.approx(y if y < 11.8 else 8.3 * y ** (1.0 / 7.0), rel=1e-12)
 
 
 def test_the_two_laws_meet():
@@ -66,9 +60,6 @@ def rubbed(pool, u, wall_u=0.0, no_slip=False, volume=None, dt=0.0, nu=NU, rough
                                 sticks=np.full(len(pool.nodes), no_slip))
     rub(out, cloud if volume is None else cloud._replace(volume=volume), walls, u, Law(nu, roughness, dt))
     return out
-
-
-dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 @dims
@@ -171,4 +162,3 @@ def test_past_a_corner_of_a_box_there_is_no_wall():
 def test_both_walls_of_a_corner_of_the_tank_are_felt():
     out = beside(SCENE, np.array([[0.07, 0.07]]), np.ones((1, 2)))
     assert np.all(out < 0.0) and out[0, 0] == pytest.approx(out[0, 1])
-

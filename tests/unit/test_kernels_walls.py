@@ -6,9 +6,8 @@ import pytest
 from parisph.base.fields import CONTACT, DRY, WALL, WET
 from parisph.kernels import walls
 from parisph.kernels.smoothing import quartic_weight
-from tests.pools import Rows, harmonic_quadratics, monomials, tank
+from tests.pools import Rows, dims, harmonic_quadratics, monomials, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 RADIUS = 2.6
 
 

@@ -5,9 +5,8 @@ import pytest
 
 from parisph.kernels import weakly
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
-from tests.pools import block, tank
+from tests.pools import block, dims, tank
 
-dims = pytest.mark.parametrize("dim", [2, 3])
 RHO, SOUND, G = 1000.0, 30.0, 9.81
 
 

@@ -5,9 +5,7 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WALL, WET
 from parisph.kernels import wetness
-from tests.pools import part, tank
-
-dims = pytest.mark.parametrize("dim", [2, 3])
+from tests.pools import dims, part, tank
 
 
 def wetted(pool, closing=True):

@@ -63,19 +63,15 @@ def test_none_is_a_word_where_it_is_one(write, text, rule):
     assert set_words.value("kappa", "none") is None
 
 
-def test_without_annotation_the_default_tells_the_type(write):
-    file = write(parameters="spacing=0.1, n=3", title="repr(n)")
-    assert load(file, ["n=4"]).title == "4"
-
-
-def test_equals_sign_in_a_value(write):
-    assert load(write(parameters="spacing: float = 0.1, name: str = ''", title="name"), ["name=a=b"]).title == "a=b"
+@pytest.mark.parametrize("parameter, text, value", [
+    ("name=3", "name=4", "4"), ("name: str = ''", "name=a=b", "'a=b'")])
+def test_type_of_the_default_and_equals_sign_in_a_value(write, parameter, text, value):
+    assert load(write(parameters=f"spacing=0.1, {parameter}", title="repr(name)"), [text]).title == value
 
 
 @pytest.mark.parametrize("sets, message", [
     (["spacin=1"], r"no parameter 'spacin'; did you mean 'spacing'\? Its parameters and their defaults: spacing=0.1"),
-    (["spacing"], "must be name=value"),
-    (["=1"], "must be name=value"),
+    (["spacing"], "must be name=value"), (["=1"], "must be name=value"),
     (["spacing=abc"], r"--set spacing=abc: must be a number, as the default 0.1 is \('abc' is not a number; "
                       r"write one such as 0.02, 1/40 or 2\*pi\)$"),
     (["spacing=none"], r"--set spacing=none: must be a number, as the default 0.1 is \(none is not allowed here\)$"),
@@ -83,10 +79,15 @@ def test_equals_sign_in_a_value(write):
                           r"sqrt, abs, minimum, maximum, where\)$"),
     (["spacing=nan"], "must be a number"),
     (["spacing=-1"], r"my_case.py, line 8: Numerics.spacing = -1.0: must be greater than 0"),
+    (["spacing=0.1", "spacing=0.2"], "--set spacing is given twice: 0.1 and 0.2"),
+    (["x" * 9999 + "=1"], r"no parameter 'x*[.]{3}x*'"),
+    (["spacing=" + "9" * 9999], r"--set spacing=9*[.]{3}9*: must be a number"),
+    (["n=" + "9" * 9999], "must be a whole number"), (["odd=1"], "a parameter of type .* cannot be set from text"),
 ])
 def test_bad_sets(write, sets, message):
-    with pytest.raises(CaseError, match=message):
-        load(write(), sets)
+    with pytest.raises(CaseError, match=message) as error:
+        load(write(parameters="spacing: float = 0.1, n: int = 1, odd: [1, 2] = 3"), sets)
+    assert len(str(error.value)) < 1000
 
 
 @pytest.mark.parametrize("kind, text", [
@@ -183,30 +184,13 @@ def test_a_byte_order_mark_is_no_part_of_a_case(write):
     assert load(file).title == "test"
 
 
-def test_a_case_file_has_a_size(tmp_path):
-    file = tmp_path / "big.py"
-    with open(file, "wb") as empty:
-        empty.truncate(10**12)
-    with pytest.raises(CaseError, match="big.py: cannot be read: it has 1 TB, at most 16 MB are read"):
-        load(file)
-
-
-@pytest.mark.parametrize("sets, message", [
-    (["spacing=0.1", "spacing=0.2"], "--set spacing is given twice: 0.1 and 0.2"),
-    (["x" * 9999 + "=1"], r"no parameter 'x*[.]{3}x*'"),
-    (["spacing=" + "9" * 9999], r"--set spacing=9*[.]{3}9*: must be a number"),
-    (["n=" + "9" * 9999], "must be a whole number"), (["odd=1"], "a parameter of type .* cannot be set from text"),
-])
-def test_long_and_odd_sets(write, sets, message):
-    with pytest.raises(CaseError, match=message) as error:
-        load(write(parameters="spacing: float = 0.1, n: int = 1, odd: [1, 2] = 3"), sets)
-    assert len(str(error.value)) < 1000
-
-
-def test_file_that_is_not_text(tmp_path):
+@pytest.mark.parametrize("content, size, says", [
+    (b"", 10**12, "case.py: cannot be read: it has 1 TB, at most 16 MB are read"), (b"\xff\xfe\x00", 3, "case.py")])
+def test_a_case_file_has_a_size_and_is_text(tmp_path, content, size, says):
     file = tmp_path / "case.py"
-    file.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(CaseError, match="case.py"):
+    file.write_bytes(content)
+    os.truncate(file, size)
+    with pytest.raises(CaseError, match=says):
         load(file)
 
 

@@ -69,13 +69,9 @@ def change(folder, **values):
     path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
 
 
-def test_a_number_that_another_process_has_now_is_no_sign_of_life(tmp_path, holder):
-    change(tmp_path, began="1")
-    Lock(tmp_path).release()
-
-
-def test_after_a_restart_of_the_host_no_process_is_left(tmp_path, holder):
-    change(tmp_path, host=f"{lock._host().partition(' ')[0]} 0-0")
+@pytest.mark.parametrize("values", [{"began": "1"}, {"host": f"{lock._host().partition(' ')[0]} 0-0"}])
+def test_another_process_of_that_number_and_a_restart_of_the_host_are_no_sign_of_life(tmp_path, holder, values):
+    change(tmp_path, **values)
     Lock(tmp_path).release()
 
 

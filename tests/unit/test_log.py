@@ -20,13 +20,12 @@ class Ranks:
 
 
 @pytest.fixture(autouse=True)
-def quiet_afterwards():
-    yield
+def screen():
+    yield io.StringIO()
     log.stop()
 
 
-def test_rank_0_speaks_on_screen_and_in_the_file(tmp_path):
-    screen = io.StringIO()
+def test_rank_0_speaks_on_screen_and_in_the_file(screen, tmp_path):
     log.start(SimpleNamespace(rank=0), tmp_path / "run.log", stream=screen)
     log.logger.info("step %d", 7)
     log.logger.debug("detail")
@@ -36,8 +35,7 @@ def test_rank_0_speaks_on_screen_and_in_the_file(tmp_path):
     assert [line.split(" ", 2)[2] for line in written] == ["INFO step 7", "DEBUG detail"]
 
 
-def test_no_text_looks_like_another_record(tmp_path):
-    screen = io.StringIO()
+def test_no_text_looks_like_another_record(screen, tmp_path):
     log.start(SimpleNamespace(rank=0), tmp_path / "run.log", stream=screen)
     log.logger.info("a\n2026-01-01 00:00:00,000 ERROR not so\x1b[2J\r\udcff")
     log.stop()
@@ -45,16 +43,14 @@ def test_no_text_looks_like_another_record(tmp_path):
     assert [line[:4] for line in (tmp_path / "run.log").read_text().splitlines()][1] == 4 * " "
 
 
-def test_other_ranks_are_silent(tmp_path, capsys):
-    screen = io.StringIO()
+def test_other_ranks_are_silent(screen, tmp_path, capsys):
     log.start(SimpleNamespace(rank=1), tmp_path / "run.log", stream=screen)
     log.logger.warning("heard?")
     assert screen.getvalue() == "" and not (tmp_path / "run.log").exists()
     assert capsys.readouterr().err == ""
 
 
-def test_starting_again_does_not_say_things_twice():
-    screen = io.StringIO()
+def test_starting_again_does_not_say_things_twice(screen):
     for _ in range(2):
         log.start(SimpleNamespace(rank=0), stream=screen)
     log.logger.info("once")

@@ -4,30 +4,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Sway
 from parisph.base import vocabulary
 from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Fluid, Numerics
-from parisph.driver.simulation import Simulation
+from parisph.methods import parts as known
 from parisph.methods import regularising, sources
 from parisph.methods.catalogue import Parts
-from parisph.methods.parts import (
-    DIVERGENCES,
-    FORCES,
-    GRADIENTS,
-    LAPLACIANS,
-    REGULARISERS,
-    SOURCES,
-    SURFACE_GRADIENTS,
-    SURFACES,
-    WALL_ROWS,
-)
 from parisph.methods.stepping import STEPPINGS
 from parisph.methods.surfaces import classify
-from tests.scenes import water
+from tests.scenes import simulated, water
 
 
 def test_every_method_that_a_case_may_ask_for_is_known():
@@ -38,8 +26,8 @@ def test_every_method_that_a_case_may_ask_for_is_known():
 
 
 def test_the_words_of_cases_are_those_of_the_parts():
-    for registry in (LAPLACIANS, DIVERGENCES, GRADIENTS, SURFACE_GRADIENTS, WALL_ROWS, SURFACES, SOURCES, FORCES,
-                     REGULARISERS):
+    for registry in (known.LAPLACIANS, known.DIVERGENCES, known.GRADIENTS, known.SURFACE_GRADIENTS, known.WALL_ROWS,
+                     known.SURFACES, known.SOURCES, known.FORCES, known.REGULARISERS):
         assert set(vocabulary.known(registry.what)) == set(registry)
     assert set(vocabulary.known("stepping")) == set(STEPPINGS)
 
@@ -61,7 +49,7 @@ VARIANTS = [
 @pytest.mark.parametrize("numerics", VARIANTS, ids=str)
 def test_every_choice_makes_a_column_fall_freely_at_its_side(numerics):
     """Ten steps: water leaves the column, nothing sinks through the bed, and energy is about kept."""
-    simulation = Simulation(dam(**numerics), MPI.COMM_SELF)
+    simulation = simulated(dam(**numerics))
     p = simulation.particles
     fluid = p.kind == FLUID
     energy = 9.81 * p.x[fluid, 1].sum()
@@ -75,13 +63,12 @@ def test_every_choice_makes_a_column_fall_freely_at_its_side(numerics):
     after = 0.5 * (p.u[fluid] ** 2).sum() + 9.81 * p.x[fluid, 1].sum()
     assert abs(after / energy - 1.0) < 0.01
     assert np.nanmax(p.p) < 1.05 * 9810.0 * 0.5
-    simulation.destroy()
 
 
 def test_relaxation_time_weakens_the_source_by_dt_over_it():
     pressures = []
     for numerics in ({}, {"zeta_time": 0.016}):
-        simulation = Simulation(dam(strain=0.0, **numerics), MPI.COMM_SELF)
+        simulation = simulated(dam(strain=0.0, **numerics))
         p = simulation.particles
         simulation.domain.refresh()
         p.u[:] = np.where((p.kind == FLUID)[:, None], -p.x, 0.0)
@@ -89,7 +76,6 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
         simulation.domain.refresh()
         b = assembled(simulation, np.zeros_like(p.x_all), 0.004)
         pressures.append(b[p.role == INNER])
-        simulation.destroy()
     np.testing.assert_allclose(pressures[1], 0.25 * pressures[0], rtol=1e-12)
 
 
@@ -100,15 +86,13 @@ def test_errors_of_opposite_signs_compensate_and_others_add_up(monkeypatch):
     monkeypatch.setattr(sources, "compression", lambda flow, alpha: alpha - 1.0)
     flow = SimpleNamespace(density=1000.0, particles=SimpleNamespace(alpha=1.0 + e, n_owned=4, u_all=None),
                            rows=SimpleNamespace(div=np.full(4, 0.3), divergence=lambda out, u: np.copyto(out, before)))
-    target = SOURCES["compensating"].target(flow, 0.01)
+    target = known.SOURCES["compensating"].target(flow, 0.01)
     np.testing.assert_allclose(target * 0.01 / 1000.0, [0.3, 0.4, 0.2, 0.3])
 
 
-def test_weakly_compressible_fluid_follows_a_force_that_grows_evenly(simulated):
+def test_weakly_compressible_fluid_follows_a_force_that_grows_evenly():
     """In free flight, velocity Verlet is exact: it takes the force at both ends of the step."""
-    s = simulated(water((0.5, 0.5), None, dict(spacing=0.1, method="SPH"), gravity=("0", "-40*t")))
-    for _ in range(5):
-        s.advance()
+    s = simulated(water((0.5, 0.5), None, dict(spacing=0.1, method="SPH"), gravity=("0", "-40*t")), 5)
     np.testing.assert_allclose(s.particles.u, np.tile([0.0, -20.0 * s.time**2], (s.particles.n_owned, 1)), rtol=1e-9)
 
 
@@ -123,7 +107,7 @@ def assembled(simulation, force, dt):
 def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
     """Return the right-hand sides of inner particles over 1/dt, for a velocity (x) -> (n, dim) of the fluid in a column
     at rest."""
-    simulation = Simulation(dam(strain=strain, residual_strain=residual_strain), MPI.COMM_SELF)
+    simulation = simulated(dam(strain=strain, residual_strain=residual_strain))
     p, method = simulation.particles, simulation.method
     simulation.domain.refresh()
     p.u[:] = np.where((p.kind == FLUID)[:, None], velocity(p.x), 0.0)
@@ -131,9 +115,7 @@ def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
     simulation.domain.refresh()
     b = assembled(simulation, force * p.x_all, dt)
     deep = (p.role == INNER) & (np.abs(p.x - [0.25, 0.25]).max(axis=1) < 0.13)
-    found = dt * b[deep]
-    simulation.destroy()
-    return found
+    return dt * b[deep]
 
 
 def test_a_short_step_removes_the_residual_divergence_in_proportion_to_its_strain():
@@ -160,9 +142,7 @@ def test_what_a_force_and_the_flow_itself_do_is_removed_at_once():
 
 
 def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for_it():
-    simulation = Simulation(dam(volume_time=20.0), MPI.COMM_SELF)
-    for _ in range(2):    # nothing is left before the first
-        simulation.advance()
+    simulation = simulated(dam(volume_time=20.0), 2)
     expansion, left = simulation.particles.expansion, simulation.particles.left
     assert np.any(expansion != 0.0) and np.abs(expansion).max() < 0.01 and np.any(left != 0.0)
     # of fluid at rest, .3 % in 20 sqrt(s/g), in four long steps at least
@@ -176,7 +156,6 @@ def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for
             expansion[:] = start
             found.append(simulation.method.parts.source.target(flow, dt))
         np.testing.assert_allclose((found[1] - found[0])[inner] * dt / 1000.0, 0.003 / time, rtol=1e-6)
-    simulation.destroy()
     assert not {"expansion", "left"} & set(Parts.of(Numerics(spacing=0.1).resolved()).fields)
 
 
@@ -184,17 +163,16 @@ def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for
                                      {"gravity": ("x", "-9.81*cos(t)"), "frame": Sway(0.1, 2.0)}], ids=str)
 def test_particles_feel_the_body_force_of_the_case(changes):
     case = dam().changed(**changes)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     x = np.array([[0.1, 0.2], [0.4, 0.3], [0.2, 0.9]])
     for t in (0.0, 0.7):
         found = simulation.method.flow.body(x, t)
         assert found.shape == x.shape
         np.testing.assert_allclose(found, case.body_force(x, t), rtol=1e-14)
-    simulation.destroy()
 
 
 def test_position_projection_spreads_what_is_too_dense():
-    simulation = Simulation(dam(kappa=1.0, shift=0.0, wall_guard=0.0, time_step=0.001), MPI.COMM_SELF)
+    simulation = simulated(dam(kappa=1.0, shift=0.0, wall_guard=0.0, time_step=0.001))
     p = simulation.particles
     simulation.advance()
     middle = (p.kind == FLUID) & (np.abs(p.x - [0.25, 0.25]).max(axis=1) < 0.13)
@@ -214,7 +192,6 @@ def test_position_projection_spreads_what_is_too_dense():
     assert inner.sum() > 4
     assert (p.alpha[inner] - 1.0).mean() < 0.6 * (before[inner] - 1.0).mean()
     assert np.all(p.u == 0.0)
-    simulation.destroy()
 
 
 @pytest.mark.parametrize("closed", [False, True])

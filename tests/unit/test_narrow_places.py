@@ -4,12 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import Box, Case, Disc, Fluid, Numerics, Obstacle, Polygon, Profile, StillWater, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation
 from parisph.driver.solid_walls import elements_of
 from parisph.geometry import build, mesh, scene_checks
 from parisph.geometry.distance import unit_normals
@@ -17,6 +15,7 @@ from parisph.geometry.mesh import chains_of
 from parisph.geometry.solid import in_fluid
 from parisph.geometry.standing import standing
 from parisph.geometry.tips import Filled
+from tests.scenes import simulated
 
 S = 0.05
 TANK = Tank(2.0, 1.0, name="tank")
@@ -76,11 +75,8 @@ def test_bodies_near_the_spacing_are_accepted_with_the_fluid_on_their_left(case)
     (Disc(2.0 * S, at=(1.0, 2.2 * S)), 15), (Box(S, S, at=(1.0, 0.3)), 15), (notched(1.5 * S), 15),
 ])
 def test_water_rests_beside_them(body, steps):
-    run = Simulation(in_tank(body), MPI.COMM_SELF)
-    for _ in range(steps):
-        run.advance()
+    run = simulated(in_tank(body), steps)
     u = np.linalg.norm(run.particles.u[run.particles.kind == FLUID], axis=1)
-    run.destroy()
     assert u.max() < 1e-4
 
 
@@ -134,12 +130,11 @@ def test_walls_that_an_earlier_release_divided_otherwise_are_not_taken_for_the_s
     case = in_tank(Disc(S, at=(1.0, 0.3)))
     mesh._wall_mesh.cache_clear()
     monkeypatch.setattr(mesh, "BEND", 10.0)
-    run = Simulation(case, MPI.COMM_SELF)
+    run = simulated(case)
     monkeypatch.undo()
     mesh._wall_mesh.cache_clear()
     with pytest.raises(CaseError, match="the checkpoint has 87 particles on walls, and this release has 89 for them:"):
         elements_of(case, run.particles)
-    run.destroy()
 
 
 def test_fluid_may_touch_itself():

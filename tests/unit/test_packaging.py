@@ -1,6 +1,9 @@
-"""What goes with the package: types, citation."""
+"""What `from parisph import ...` offers, and what goes with the package: types, citation."""
 
+import importlib
 import re
+
+import pytest
 
 import parisph
 from tests.launch import ROOT
@@ -17,3 +20,14 @@ def test_citation_is_of_this_version():
     assert re.search(r"^version: (.*)$", text, re.M)[1] == parisph.__version__
     assert (set(re.findall(r"doi: (\S+)", text))
             <= set(re.findall(r"doi:([^\s,]+?)\.?\s", METHOD.read_text(encoding="utf-8"))))
+
+
+@pytest.mark.parametrize("name", [name for name in parisph.__all__ if name != "__version__"])
+def test_public_name_is_that_of_its_module(name):
+    assert getattr(parisph, name) is getattr(importlib.import_module(parisph._PUBLIC[name]), name)
+    assert name in dir(parisph)
+
+
+def test_unknown_name():
+    with pytest.raises(ImportError, match="simulation"):
+        from parisph import simulation  # noqa: F401

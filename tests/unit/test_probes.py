@@ -39,7 +39,7 @@ S = 0.05
 
 def value(probe, change=None, **options):
     """Return what one probe with one column gives for a scene."""
-    return only(Watch(scene([probe], **options), MPI.COMM_SELF, change).sample())
+    return only(Watch(scene([probe], **options), change=change).sample())
 
 
 # -- surface gauge ------------------------------------------------------------------------
@@ -313,7 +313,7 @@ def test_energy_of_a_rotation_and_of_free_flight():
 @pytest.mark.parametrize("gravity, factor", [((0.0, "-9.81"), 1.0), ((0.0, "-2*9.81"), 2.0), ((0.0, "-9.81*t"), 0.0),
                                              (("-x", -9.81), 0.0)])
 def test_only_a_uniform_constant_force_has_a_potential(gravity, factor):
-    found = Watch(scene([Energy(name="e")], gravity=gravity), MPI.COMM_SELF).sample()["e"]
+    found = Watch(scene([Energy(name="e")], gravity=gravity)).sample()["e"]
     assert found[1] == pytest.approx(factor * DENSITY * 0.5 * G * 0.25 * ROWS)
 
 
@@ -323,7 +323,7 @@ def test_only_a_uniform_constant_force_has_a_potential(gravity, factor):
 ])
 def test_on_the_lattice_current_volumes_are_those_of_the_start(options):
     """Water on a dry bed, up to a lid and one spacing below it, and without a tank."""
-    watch = Watch(scene([Energy(name="e", current=True)], velocity=("1 + x", "y"), **options), MPI.COMM_SELF)
+    watch = Watch(scene([Energy(name="e", current=True)], velocity=("1 + x", "y"), **options))
     found = watch.sample()["e"]
     assert list(watch.samplers[0].columns.items())[3:] == [
         ("kinetic_now", "J/m"), ("potential_now", "J/m"), ("total_now", "J/m"), ("volume_now", "m^2")]
@@ -387,7 +387,7 @@ def test_volume_is_the_mean_cell_inside_the_fluid(jitter):
         fluid = arrays["kind"] == FLUID
         arrays["x"][fluid] += build.jitter(case, arrays["id"], arrays["role"] == SURFACE)[fluid]
         arrays["role"][40] = BALLISTIC
-    watch = Watch(case, MPI.COMM_SELF, change)
+    watch = Watch(case, change=change)
     cell, count = watch.sample()["v"]
     chosen = inside_by_distance(watch.particles)
     areas = [cell_by_clipping(i, watch.particles.x) for i in chosen]
@@ -410,14 +410,14 @@ def test_a_cell_that_nothing_closes_is_left_out():
         for name in arrays:
             arrays[name] = arrays[name][~hole]
     case = scene([Volume(name="v")], lid=True, depth=1.0)
-    whole, full = Watch(case, MPI.COMM_SELF).sample()["v"]
-    cell, count = Watch(case, MPI.COMM_SELF, change).sample()["v"]
+    whole, full = Watch(case).sample()["v"]
+    cell, count = Watch(case, change=change).sample()["v"]
     assert full == 19 * 19 and whole == pytest.approx(1.0, abs=1e-12)
     assert count < full - 5 and cell < 1.02
 
 
 def test_where_nothing_is_deep_there_is_no_volume():
-    found = Watch(scene([Volume(name="v")], depth=0.1), MPI.COMM_SELF).sample()["v"]
+    found = Watch(scene([Volume(name="v")], depth=0.1)).sample()["v"]
     assert np.isnan(found[0]) and found[1] == 0.0
 
 
@@ -439,7 +439,7 @@ def flowing(arrays):
 def test_a_velocity_profile_is_exact_for_quadratic_flow(start, end):
     """In disorder and up to the walls, corners included."""
     probe = VelocityProfile(name="line", start=start, end=end, points=11)
-    watch = Watch(scene([probe], lid=True, depth=1.0, jitter=0.6), MPI.COMM_SELF, flowing)
+    watch = Watch(scene([probe], lid=True, depth=1.0, jitter=0.6), change=flowing)
     found = np.reshape(watch.sample()["line"], (11, 3))
     np.testing.assert_allclose(found, quadratic(np.linspace(start, end, 11)), atol=1e-11)
     columns = watch.samplers[0].columns
@@ -449,7 +449,7 @@ def test_a_velocity_profile_is_exact_for_quadratic_flow(start, end):
 
 def test_a_velocity_profile_has_no_values_outside_the_fluid():
     probe = VelocityProfile(name="line", start=(0.5, 0.0), end=(0.5, 1.0), points=5)
-    found = np.reshape(Watch(scene([probe], velocity=(0.3, 0.0)), MPI.COMM_SELF).sample()["line"], (5, 3))
+    found = np.reshape(Watch(scene([probe], velocity=(0.3, 0.0))).sample()["line"], (5, 3))
     assert np.isnan(found[3:]).all() and np.isfinite(found[1:3]).all()
     np.testing.assert_allclose(found[1, :2], (0.3, 0.0), atol=1e-12)
 
@@ -462,7 +462,7 @@ def test_a_velocity_profile_ignores_what_has_no_pressure_equation():
         arrays["u"][stray] = 100.0
 
     probe = VelocityProfile(name="line", start=(0.2, 0.3), end=(0.8, 0.7), points=7)
-    found = np.reshape(Watch(scene([probe], lid=True, depth=1.0), MPI.COMM_SELF, change).sample()["line"], (7, 3))
+    found = np.reshape(Watch(scene([probe], lid=True, depth=1.0), change=change).sample()["line"], (7, 3))
     np.testing.assert_allclose(found, quadratic(probe.places), atol=1e-10)
 
 
@@ -482,7 +482,7 @@ def test_every_probe_that_a_case_can_have_can_be_sampled():
 
 
 def test_together_they_give_what_each_gives_alone():
-    watch = Watch(scene(ALL, velocity=(0.1, 0.0), jitter=0.3), MPI.COMM_SELF, hydrostatic)
+    watch = Watch(scene(ALL, velocity=(0.1, 0.0), jitter=0.3), change=hydrostatic)
     together = watch.sample()
     assert list(together) == [probe.name for probe in ALL]
     for sampler in watch.samplers:
@@ -496,7 +496,7 @@ def test_together_they_give_what_each_gives_alone():
 @pytest.mark.filterwarnings("ignore:invalid value")
 @pytest.mark.parametrize("share", [0.1, 1.0])
 def test_a_run_that_breaks_down_is_still_sampled(share):
-    watch = Watch(scene(ALL), MPI.COMM_SELF)
+    watch = Watch(scene(ALL))
     p = watch.particles
     for name in ("x", "u", "p"):
         getattr(p, name)[np.random.default_rng(2).random(p.n_owned) < share] = np.nan

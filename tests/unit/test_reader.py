@@ -31,15 +31,6 @@ def test_what_is_no_file_is_not_waited_for(tmp_path, make, message):
         open_run(tmp_path)
 
 
-@pytest.mark.parametrize("name", ["steps.csv", "probes/P2.csv"])
-def test_a_pipe_in_the_place_of_a_series_is_not_waited_for(folder, name):
-    (folder / name).unlink()
-    os.mkfifo(folder / name)
-    run = open_run(folder)
-    with pytest.raises(StoreError, match="it is not a regular file"):
-        run.probe("P2") if "P2" in name else run.steps
-
-
 @pytest.fixture
 def folder(tmp_path):
     store = Store.create(MPI.COMM_SELF, tmp_path / "run", CASE, provenance("ISPH_R", "-ksp_type gmres", petsc="3.18.5"))
@@ -189,10 +180,15 @@ def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
     ("steps.csv", None, "there is no .*steps.csv: it was removed or moved away"),
     ("probes/P2.csv", "time,step,pressure\n0.1,1,2\n0.1,1,2\n", "P2.csv is damaged: in line 3"),
     ("probes/P2.csv", "a,b\n", "do not begin with time, step"),
+    *((name, os.mkfifo, "it is not a regular file") for name in ("steps.csv", "probes/P2.csv")),
 ])
 def test_what_is_damaged_or_of_another_run_is_named(folder, name, content, says):
     path = folder / name
-    path.unlink() if content is None else path.write_text(content, encoding="latin-1")
+    path.unlink()
+    if isinstance(content, str):
+        path.write_text(content, encoding="latin-1")
+    elif content:
+        content(path)
     with pytest.raises(StoreError, match=says):
         run = open_run(folder)
         run.summary, run.steps, run.probe("P2")

@@ -4,24 +4,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Simulation
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.presets import WITHOUT_FILMS
 from parisph.kernels import shifting, strain
 from parisph.methods import potential, regularising, straining, velocities
-from tests.scenes import scene
+from tests.scenes import scene, simulated
 
 
 @pytest.fixture
 def falling():
     """A column that has fallen for a while, with roles, lists and matrix of its last step."""
-    s = Simulation(scene("dam_break", spacing=0.05, jitter=0.4), MPI.COMM_SELF)
-    for _ in range(40):
-        s.advance()
+    s = simulated(scene("dam_break", spacing=0.05, jitter=0.4), 40)
     yield s
-    s.destroy()
 
 
 def apply(method, regularisers):
@@ -114,14 +109,11 @@ def test_fluid_at_rest_and_in_rigid_motion_is_left_alone(falling):
 def test_what_nothing_needs_is_not_computed():
     off = {"filter_strain": 0.0, "collision_distance": 0.0, "kappa": 0.0, "shift": 0.0,
            "regularisers": ("film", *WITHOUT_FILMS)}
-    s = Simulation(scene("dam_break",
-                         spacing=0.1).changed(**{f"numerics.{name}": value for name, value in off.items()}),
-                   MPI.COMM_SELF)
+    s = simulated(scene("dam_break", off, spacing=0.1))
     assert not s.method.parts.measures_strain
     assert not {"grad_u", "strain_rate", "pairs", "phi", "turn"} & set(s.particles.fields)
     s.advance()     # the filter with a fixed strength needs no strain
     assert not s.method.flow.step.strained.any()
-    s.destroy()
 
 
 def test_strain_is_rapid_beside_the_pressure_of_calm_fluid():

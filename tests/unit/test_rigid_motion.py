@@ -239,46 +239,40 @@ def test_strokes_have_the_second_harmonic():
     assert abs(second[3]) < 1e-15
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: Roll(0.1), "frequency is missing: give the angular frequency .*, or a Series as amplitude"),
-        (lambda: Roll(WAVY, 2.0), "frequency = 2: is that of a harmonic roll; leave it out with a Series"),
-        (lambda: Roll(WAVY, ramp=2.0), "ramp = 2: is that of a harmonic roll; leave it out with a Series"),
-        (lambda: Roll(0.1, 1.0, centre=(0.0,)), r"Roll.centre = .*: must be at least 2 values, not 1"),
-        (lambda: Heave(0.1, -1.0), "Heave.frequency = -1.0: must be greater than 0"),
-        (lambda: Heave(0.1, 1.0, (0.0, 0.0)), "Heave.direction: .* must not be zero"),
-        (lambda: Series("no_such_file.csv"), "file = 'no_such_file.csv': cannot be read"),
-        (lambda: Series(), r"Series.times = \(\): must be at least 4 values, not 0 \(increasing times"),
-        (lambda: Series(times=(0, 1, 1, 2), values=(0, 0, 0, 0)), r"times\[2\] = 1.0: must be later"),
-        (lambda: Moved(WAVY, (0.0, 0.0)), "must not be zero"),
-        (lambda: PistonStroke(LONG, ramp=1.0), "ramp = 1: is for regular and irregular waves"),
-        (
-            lambda: PistonStroke(StreamFunction(0.05, 4.0, 0.25)),
-            "the second order holds up to 26.3; use .* PistonStroke with second_order=False",
-        ),
-        (lambda: FlapStroke(StreamFunction(0.05, 4.0, 0.25)), "a FlapStroke with second_order=False"),
-        (
-            lambda: FlapStroke(Airy(0.02, 1.0, 0.25), centre=(0.0, 0.3)),
-            "the hinge must be below the still surface at y = 0.25",
-        ),
-        (lambda: FlapStroke(LONG), "FlapStroke.wave .* must be of a known kind"),
-    ],
-)
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: Roll(0.1), "frequency is missing: give the angular frequency .*, or a Series as amplitude"),
+    (lambda: Roll(WAVY, 2.0), "frequency = 2: is that of a harmonic roll; leave it out with a Series"),
+    (lambda: Roll(WAVY, ramp=2.0), "ramp = 2: is that of a harmonic roll; leave it out with a Series"),
+    (lambda: Roll(0.1, 1.0, centre=(0.0,)), r"Roll.centre = .*: must be at least 2 values, not 1"),
+    (lambda: Heave(0.1, -1.0), "Heave.frequency = -1.0: must be greater than 0"),
+    (lambda: Heave(0.1, 1.0, (0.0, 0.0)), "Heave.direction: .* must not be zero"),
+    (lambda: Series("no_such_file.csv"), "file = 'no_such_file.csv': cannot be read"),
+    (lambda: Series(), r"Series.times = \(\): must be at least 4 values, not 0 \(increasing times"),
+    (lambda: Series(times=(0, 1, 1, 2), values=(0, 0, 0, 0)), r"times\[2\] = 1.0: must be later"),
+    (lambda: Moved(WAVY, (0.0, 0.0)), "must not be zero"),
+    (lambda: PistonStroke(LONG, ramp=1.0), "ramp = 1: is for regular and irregular waves"),
+    (
+        lambda: PistonStroke(StreamFunction(0.05, 4.0, 0.25)),
+        "the second order holds up to 26.3; use .* PistonStroke with second_order=False",
+    ),
+    (lambda: FlapStroke(StreamFunction(0.05, 4.0, 0.25)), "a FlapStroke with second_order=False"),
+    (
+        lambda: FlapStroke(Airy(0.02, 1.0, 0.25), centre=(0.0, 0.3)),
+        "the hinge must be below the still surface at y = 0.25",
+    ),
+    (lambda: FlapStroke(LONG), "FlapStroke.wave .* must be of a known kind"),
+])
 def test_bad_input(make, words):
     with pytest.raises(CaseError, match=words):
         make()
 
 
-@pytest.mark.parametrize(
-    ("text", "options", "words"),
-    [
-        ("t,x\n0,0\n1,1\n", {}, "must be at least 4 values, not 2"),
-        ("t,x\n0,0\n1,1\n2,a\n3,0\n", {}, "line 4 holds something that is not a finite number"),
-        ("t,x\n0,0\n1,1\n", {"value": "y"}, "value = 'y': .* has no such column; it has"),
-        ("t,x\n0,0,1\n", {}, "cannot be read .line 2 has 3 values"),
-    ],
-)
+@pytest.mark.parametrize(("text", "options", "words"), [
+    ("t,x\n0,0\n1,1\n", {}, "must be at least 4 values, not 2"),
+    ("t,x\n0,0\n1,1\n2,a\n3,0\n", {}, "line 4 holds something that is not a finite number"),
+    ("t,x\n0,0\n1,1\n", {"value": "y"}, "value = 'y': .* has no such column; it has"),
+    ("t,x\n0,0,1\n", {}, "cannot be read .line 2 has 3 values"),
+])
 def test_bad_files(tmp_path, text, options, words):
     (tmp_path / "m.csv").write_text(text)
     with pytest.raises(CaseError, match=words):

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Simulation
 from parisph.base.fields import FLUID
 from parisph.kernels import shifts, wetness
 from parisph.methods import lengths, regularising
 from parisph.methods.parts import REGULARISERS
-from tests.scenes import water
+from tests.scenes import simulated, water
 
 S = 0.05
 SHIFTS = ["shift", "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"]
@@ -19,7 +17,7 @@ all_shifts = pytest.mark.parametrize("name", SHIFTS)
 def box(width, tank, lid=True, velocity=(0.0, 0.0), **numerics):
     """Return the Simulation of a box of water 0.5 m high in a tank (width, height) [m]."""
     case = water((width, 0.5), (tank[0], tank[1], lid), dict(spacing=S, time_step=0.004, **numerics), velocity=velocity)
-    return Simulation(case, MPI.COMM_SELF)
+    return simulated(case)
 
 
 @all_shifts
@@ -35,7 +33,6 @@ def test_a_column_that_collapses_stays_whole(name):
     assert 0.51 < p.x[fluid, 0].max() < 0.6
     after = 0.5 * (p.u[fluid] ** 2).sum() + 9.81 * p.x[fluid, 1].sum()
     assert abs(after / energy - 1.0) < 0.02
-    s.destroy()
 
 
 @all_shifts
@@ -49,7 +46,6 @@ def test_a_shift_is_the_same_before_and_after_the_position_projection(name):
         flow.step.strained = np.full(s.particles.n_owned, 0.01)
         regularising.prepare(flow, [REGULARISERS[part] for part in order], 0.004)
         moves.append(REGULARISERS[name].change(flow, 0.004).copy())
-        s.destroy()
     assert np.abs(moves[0]).max() > 1e-6
     np.testing.assert_allclose(moves[0], moves[1], atol=1e-6 * np.abs(moves[0]).max())
 
@@ -63,7 +59,6 @@ def test_the_shift_by_pressure_is_the_move_from_rest_by_its_excess():
     shifts.pressure_shift(excess, flow.cloud, walls, s.particles.p_all, 1.0, lengths.MLS * S, np.inf)
     np.testing.assert_allclose(REGULARISERS["shift_pressure"].change(flow, dt), 0.5 * dt**2 * excess / 1000.0)
     assert np.abs(excess).max() > 1e3
-    s.destroy()
 
 
 def test_the_shift_by_speed_is_in_proportion_to_it_and_to_the_step():
@@ -76,7 +71,6 @@ def test_the_shift_by_speed_is_in_proportion_to_it_and_to_the_step():
         moves.append(part.change(flow, dt))
     np.testing.assert_allclose(moves[1:], np.multiply.outer([2.0, 4.0], moves[0]))
     assert moves[0].any()
-    s.destroy()
 
 
 def nearest(p):
@@ -104,4 +98,3 @@ def test_a_cluster_in_a_full_tank_is_spread(name):
         regularising.change(flow, [REGULARISERS[name]], 0.01)
     assert before == pytest.approx(0.75)
     assert nearest(p) > 0.8
-    s.destroy()

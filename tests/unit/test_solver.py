@@ -1,6 +1,5 @@
 """The pressure solve on one rank: answers, kept preconditioner, fallback chain, closed domains."""
 
-import os
 
 import numpy as np
 import pytest
@@ -250,10 +249,6 @@ def test_number_of_rows_may_change(make):
 
 # -- the fallback chain -------------------------------------------------------------------------------
 
-FAIL = {stage: (f"-pressure_{prefix}ksp_max_it", "1") for stage, prefix in
-        (("first", ""), ("gamg", "gamg_"), ("asm", "asm_"))}
-
-
 def test_kept_fails_and_rebuilt_succeeds(make):
     rows, p, b = problem()
     solver = make("-pressure_ksp_max_it", "12", rtol=1e-6)
@@ -266,15 +261,14 @@ def test_kept_fails_and_rebuilt_succeeds(make):
     assert not solver.solve(*worse, b, None)[1].rebuilt, "the rebuilt one is kept in its turn"
 
 
-@pytest.mark.parametrize("failing, expected", [
-    (("first",), "gamg"), (("first", "gamg"), "asm"), (("first", "gamg", "asm"), "lu")])
-def test_each_stage_of_the_chain_is_reached(make, failing, expected):
-    rows, p, b = problem()
-    words = [word for stage in failing for word in FAIL[stage]]
-    solver = make(*words, rtol=1e-8)
+@systems.chain
+@pytest.mark.parametrize("closed", [False, True])
+def test_each_stage_of_the_chain_is_reached(make, words, expected, closed):
+    rows, p, b = problem(20, closed=closed)
+    solver = make(*words, rtol=1e-8, closed=closed)
     found, record = solver.solve(*rows, b, None)
-    assert record.fallback == expected and record.rebuilt and record.reason > 0
-    assert record.residual <= 1e-7 and np.abs(found - p).max() < 1e-5
+    assert record.fallback == expected and record.rebuilt and record.reason > 0 and record.residual <= 1e-7
+    assert np.abs(found - (p - p.mean() if closed else p)).max() < 1e-4
     again = solver.solve(*rows, b, None)[1]
     assert again.iterations == record.iterations, "a preconditioner that failed is not tried again before it is rebuilt"
 
@@ -437,28 +431,10 @@ def test_closed_domain_with_a_constant_right_hand_side_is_at_rest(make):
     assert not found.any() and record.iterations == 0
 
 
-@pytest.mark.parametrize("failing, expected", [
-    (("first",), "gamg"), (("first", "gamg"), "asm"), (("first", "gamg", "asm"), "lu")])
-def test_closed_domain_through_the_chain(make, failing, expected):
-    rows, p, b = problem(20, closed=True)
-    words = [word for stage in failing for word in FAIL[stage]]
-    found, record = make(*words, rtol=1e-8, closed=True).solve(*rows, b, None)
-    assert record.fallback == expected and np.abs(found - (p - p.mean())).max() < 1e-4
-
-
 # -- memory -------------------------------------------------------------------------------------------
 
 
-def resident():
-    """Return the memory of this process [kB]; not its peak, which earlier tests may have set."""
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
-
-
-needs_proc = pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is read from /proc")
-
-
-@needs_proc
+@systems.needs_proc
 @pytest.mark.parametrize("closed, count", [(False, 2000), (True, 600)])
 def test_memory_is_flat(make, closed, count):
     systems_in_turn = [problem(22, scatter=0.1 * k, closed=closed) for k in range(3)]
@@ -471,21 +447,21 @@ def test_memory_is_flat(make, closed, count):
             solver.solve_again(b, None)
 
     steps(200)
-    before = resident()
+    before = systems.resident()
     steps(count)
-    assert resident() - before < 2000, "kB; one vector kept a step would be 4 kB each, a matrix 130 kB"
+    assert systems.resident() - before < 2000, "kB; one vector kept a step would be 4 kB each, a matrix 130 kB"
 
 
-@needs_proc
+@systems.needs_proc
 def test_memory_is_flat_through_the_chain(make):
     rows, p, b = problem(22)
-    solver = make(*FAIL["first"], *FAIL["gamg"])
+    solver = make(*systems.failing("", "gamg_"))
 
     def steps(count):
         for _ in range(count):
             assert solver.solve(*rows, b, None)[1].fallback == "asm"
 
     steps(40)
-    before = resident()
+    before = systems.resident()
     steps(200)
-    assert resident() - before < 2000, "kB; one Krylov solver kept a step would be hundreds each"
+    assert systems.resident() - before < 2000, "kB; one Krylov solver kept a step would be hundreds each"

@@ -1,4 +1,4 @@
-"""Water that starts with a wave."""
+"""Water that starts with a wave, and its vorticity: none where the flow is irrotational."""
 
 import numpy as np
 import pytest
@@ -59,24 +59,47 @@ def test_slices_json_and_estimates():
     assert 0.5 * expected(case).wave.height == pytest.approx(0.03, rel=0.5) and expected(still).wave is None
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: scene(shape=Disc(0.3)), "only a Box or StillWater has a top to raise; leave it out for a Disc"),
-        (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
-        (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
-        (
-            lambda: scene(Airy(0.01, 1.0, 0.4)),
-            "wave.depth = 0.4: must be the height of the Box, 0.3; change one of them",
-        ),
-        (
-            lambda: scene(SolitaryWave(0.06, 0.3, g=1.6)),
-            r"fluid.wave.g = 1.6: the gravity of the case must be \(0, -1.6\); change one of them",
-        ),
-        (lambda: scene().changed(walls=Tank(6.0, 0.33)), "fluid.wave = solitary: raises the surface to 0.3[56]"),
-        (lambda: scene({"kind": "cnoidal"}), "must be of a known kind"),
-    ],
-)
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: scene(shape=Disc(0.3)), "only a Box or StillWater has a top to raise; leave it out for a Disc"),
+    (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
+    (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
+    (
+        lambda: scene(Airy(0.01, 1.0, 0.4)),
+        "wave.depth = 0.4: must be the height of the Box, 0.3; change one of them",
+    ),
+    (
+        lambda: scene(SolitaryWave(0.06, 0.3, g=1.6)),
+        r"fluid.wave.g = 1.6: the gravity of the case must be \(0, -1.6\); change one of them",
+    ),
+    (lambda: scene().changed(walls=Tank(6.0, 0.33)), "fluid.wave = solitary: raises the surface to 0.3[56]"),
+    (lambda: scene({"kind": "cnoidal"}), "must be of a known kind"),
+])
 def test_bad_input(make, words):
     with pytest.raises(CaseError, match=words):
         make()
+
+
+# -- vorticity ----------------------------------------------------------------------------------------
+
+PLACES = np.random.default_rng(1).random((400, 2)) * (2.0, 1.0)
+
+
+def vorticity(velocity, spacing):
+    return Fluid(Box(width=2.0, height=1.0), density=1000.0, velocity=velocity).start_vorticity(PLACES, spacing)
+
+
+@pytest.mark.parametrize("spacing", [0.2, 0.05])
+@pytest.mark.parametrize("k", [1.0, np.pi, 2.0 * np.pi])
+def test_a_wave_has_none(k, spacing):
+    """Differences of its velocity leave an error of second order, for which each step would pay."""
+    assert not np.any(vorticity(standing_wave_start(0.05, k, 1.0, 9.81), spacing))
+
+
+def test_rigid_rotation_has_twice_its_rate():
+    assert vorticity(("-2*y", "2*x"), 0.1) == pytest.approx(4.0, rel=1e-12)
+
+
+def test_a_shear_flow_is_right_to_second_order():
+    due = -3.0 * np.cos(3.0 * PLACES[:, 1])
+    coarse, fine = (np.abs(vorticity(("sin(3*y)", "0"), s) - due).max() for s in (0.1, 0.05))
+    assert coarse < 0.02 and fine == pytest.approx(0.25 * coarse, rel=0.05)

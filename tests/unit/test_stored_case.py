@@ -37,10 +37,14 @@ def test_what_is_no_case_of_this_release_is_said(text, says):
         from_json(text)
 
 
-def test_another_preset_replaces_what_the_old_one_gave():
-    case = stored(kappa=0.4, preset="gentle").changed(**{"numerics.preset": "violent"})
-    found = case.numerics.resolved()
-    due = {**PRESETS["violent"], "kappa": 0.4}
+@pytest.mark.parametrize(("asked", "old", "preset"), [(True, {"preset": "gentle"}, "violent"), (False, {}, "gentle")])
+def test_another_preset_replaces_what_the_old_one_gave(asked, old, preset):
+    """Also of a case from before asked values were stored."""
+    content = json.loads(to_json(stored(kappa=0.4, **old)))
+    if not asked:
+        del content["schema"], content["asked"]
+    found = from_json(json.dumps(content)).changed(**{"numerics.preset": preset}).numerics.resolved()
+    due = {**PRESETS[preset], "kappa": 0.4}
     assert {name: getattr(found, name) for name in due} == due
 
 
@@ -107,14 +111,6 @@ def test_a_value_of_the_preset_may_be_edited():
     content = json.loads(to_json(stored()))
     content["numerics"]["shift"] = 0.1
     assert from_json(json.dumps(content)).numerics.shift == 0.1
-
-
-def test_another_preset_for_a_case_from_before_asked_values_were_stored():
-    content = json.loads(to_json(stored(kappa=0.4)))
-    del content["schema"], content["asked"]
-    found = from_json(json.dumps(content)).changed(**{"numerics.preset": "gentle"}).numerics.resolved()
-    due = {**PRESETS["gentle"], "kappa": 0.4}
-    assert {name: getattr(found, name) for name in due} == due
 
 
 def test_the_weight_of_the_divergence_and_its_time_replace_each_other():

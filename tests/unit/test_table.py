@@ -14,13 +14,18 @@ def test_truth_is_scaled_sorted_and_may_lack_the_last_line_end(tmp_path):
     np.testing.assert_array_equal(value, [21.0, 61.0, 81.0])
 
 
-@pytest.mark.parametrize("column, message",
-                         [("x", "no column 'x' .it has: set, T, z"),
-                          ("set", "line 2 of column 'set' holds a word, not a number")])
-def test_a_bad_column_of_the_truth_is_named(tmp_path, column, message):
-    (tmp_path / "t.csv").write_text("set,T,z\na,1,10\n")
-    with pytest.raises(StoreError, match=message):
-        table.read_reference(tmp_path / "t.csv", "T", column)
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("name", "column", "scale", "says"), [
+    ("t.csv", "x", 1.0, "no column 'x' .it has: set, T, z"),
+    ("t.csv", "set", 1.0, "line 2 of column 'set' holds a word, not a number"),
+    ("t.csv", "z", 1e300, "reaches more than 1e.30 when scaled"), (".", "z", 1.0, "it is a folder"),
+    ("/dev/zero", "z", 1.0, "not a regular file"), ("gone.csv", "z", 1.0, "gone.csv"),
+    ("a" * 300, "z", 1.0, "File name too long"),
+])
+def test_a_truth_that_cannot_be_read_is_named(tmp_path, name, column, scale, says):
+    (tmp_path / "t.csv").write_text("set,T,z\na,0,1e20\na,1,2\n")
+    with pytest.raises(StoreError, match=says):
+        table.read_reference(tmp_path / name, "T", column, scale=scale)
 
 
 @pytest.mark.parametrize("content, message", [
@@ -45,20 +50,6 @@ def test_a_file_that_is_no_series_is_refused_in_one_line(tmp_path, content, mess
     with pytest.raises(StoreError, match=message) as error:
         table.read_reference(tmp_path / "t.csv", "T", "z")
     assert "t.csv" in str(error.value) and "\n" not in str(error.value) and len(str(error.value)) < 500
-
-
-@pytest.mark.parametrize("name, message", [(".", "it is a folder"), ("/dev/zero", "not a regular file"),
-                                           ("gone.csv", "gone.csv"), ("a" * 300, "File name too long")])
-def test_what_is_no_file_is_not_opened(tmp_path, name, message):
-    with pytest.raises(StoreError, match=message):
-        table.read_reference(tmp_path / name, "T", "z")
-
-
-@pytest.mark.filterwarnings("error")
-def test_scales_that_leave_the_range_of_numbers_are_refused(tmp_path):
-    (tmp_path / "t.csv").write_text("T,z\n0,1e20\n1,2\n")
-    with pytest.raises(StoreError, match="reaches more than 1e.30 when scaled"):
-        table.read_reference(tmp_path / "t.csv", "T", "z", scale=1e300)
 
 
 def test_gaps_are_left_out(tmp_path):

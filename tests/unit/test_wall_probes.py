@@ -2,26 +2,26 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import ColumnHeight, Force, PressureTap, ProbeArray, RunUp, Simulation, SurfaceGauge, VelocityPoint
+from parisph import ColumnHeight, Force, PressureTap, ProbeArray, RunUp, SurfaceGauge, VelocityPoint
 from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE
 from parisph.case.stored import from_json, to_json
 from parisph.geometry import scene_checks
 from parisph.watch.instruments import build, sample_all
 from parisph.watch.probes.pressure_tap import disc_mean
+from tests.scenes import simulated
 from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S, DEPTH = 0.05, 0.5
 
 
 def value(probe, change=None, **options):
-    return only(Watch(scene([probe], **options), MPI.COMM_SELF, change).sample())
+    return only(Watch(scene([probe], **options), change=change).sample())
 
 
 def values(probe, change=None, **options):
-    found, = Watch(scene([probe], **options), MPI.COMM_SELF, change).sample().values()
+    found, = Watch(scene([probe], **options), change=change).sample().values()
     return found
 
 
@@ -82,10 +82,9 @@ def test_the_force_of_water_at_rest_as_it_is_solved(preset):
     """On disordered particles."""
     probes = [Force("wall", side="right"), Force("bed", side="bed"), PressureTap("disc", at=(0.0, 0.2), diameter=0.1)]
     case = scene(probes, jitter=0.4).changed(**{"numerics.preset": preset, "numerics.rtol": 1e-12})
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     simulation.solve_start()
     found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
-    simulation.destroy()
     assert found["wall"][0] == pytest.approx(0.5 * DENSITY * G * DEPTH**2, rel=1e-9)
     assert found["bed"][1] == pytest.approx(-DENSITY * G * DEPTH, rel=1e-9)
     assert found["disc"][0] == pytest.approx(DENSITY * G * 0.3, rel=1e-9)
@@ -138,7 +137,7 @@ def test_a_torn_film_is_one_where_its_particles_are_no_farther_apart_than_in_the
 
 def test_at_a_vertical_side_there_is_no_film():
     with pytest.raises(CaseError, match="'up': film = 0.01 m has no effect at a vertical side"):
-        Watch(scene([RunUp("up", side="left", film=0.01)]), MPI.COMM_SELF)
+        Watch(scene([RunUp("up", side="left", film=0.01)]))
 
 
 @pytest.mark.parametrize("side, x", [("left", 0.0), ("right", 1.0)])
@@ -200,7 +199,7 @@ ARRAY = ProbeArray("several", [
 
 def test_an_array_has_the_columns_of_its_probes_and_their_values():
     options = {"elevation": "0.05*cos(pi*x)", "velocity": ("0.3 + y", "-x")}
-    watch = Watch(scene([ARRAY, *ARRAY.probes], **options), MPI.COMM_SELF, hydrostatic)
+    watch = Watch(scene([ARRAY, *ARRAY.probes], **options), change=hydrostatic)
     found = watch.sample()
     assert list(watch.samplers[0].columns) == ["x1", "x2", "c", "u_u", "u_v", "u_p", "p", "load_fx", "load_fy",
                                                "load_moment"]

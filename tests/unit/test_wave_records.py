@@ -239,30 +239,27 @@ def test_agrees_with_raschii():
     assert ours.elevation(x, 0.0) == pytest.approx(theirs.surface_elevation(x) - 1.0, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("wave", "words"),
-    [
-        (
-            lambda: Airy(0.5, 1.0, 0.5),
-            r"height = 0.5: must be at most 0.2042 m, that of the highest steady wave; use a lower or a longer one",
-        ),
-        (lambda: Airy(0.1, 0.0, 0.5), r"Airy.period = 0.0: must be greater than 0 \(period \[s\]\)"),
-        (lambda: Airy(0.1, 1.0), "Airy.depth is missing: give depth of the still water"),
-        (lambda: Stokes(0.2, 4.0, 0.5), "where Stokes's expansion ends .*; use StreamFunction"),
-        (lambda: Stokes(0.1, 1.0, 0.5, order=6), r"Stokes.order = 6: must be less than or equal to 5"),
-        (lambda: StreamFunction(0.4, 3.0, 0.5), "height = 0.4: "),
-        (
-            lambda: SolitaryWave(0.2, 0.25),
-            "height = 0.2: must be at most 0.1875 m, 0.75 depths for theory = exact; use a lower one",
-        ),
-        (
-            lambda: SolitaryWave(0.05, 0.25, "cnoidal"),
-            "SolitaryWave.theory = 'cnoidal': must be 'exact', 'grimshaw' or 'boussinesq'",
-        ),
-        (lambda: Jonswap(0.2, 1.5, 0.5), "0.6 of the highest steady wave of the peak period"),
-        (lambda: Jonswap(0.02, 1.5, 0.5, gamma=0.5), "Jonswap.gamma = 0.5: must be greater than or equal to 1"),
-    ],
-)
+@pytest.mark.parametrize(("wave", "words"), [
+    (
+        lambda: Airy(0.5, 1.0, 0.5),
+        r"height = 0.5: must be at most 0.2042 m, that of the highest steady wave; use a lower or a longer one",
+    ),
+    (lambda: Airy(0.1, 0.0, 0.5), r"Airy.period = 0.0: must be greater than 0 \(period \[s\]\)"),
+    (lambda: Airy(0.1, 1.0), "Airy.depth is missing: give depth of the still water"),
+    (lambda: Stokes(0.2, 4.0, 0.5), "where Stokes's expansion ends .*; use StreamFunction"),
+    (lambda: Stokes(0.1, 1.0, 0.5, order=6), r"Stokes.order = 6: must be less than or equal to 5"),
+    (lambda: StreamFunction(0.4, 3.0, 0.5), "height = 0.4: "),
+    (
+        lambda: SolitaryWave(0.2, 0.25),
+        "height = 0.2: must be at most 0.1875 m, 0.75 depths for theory = exact; use a lower one",
+    ),
+    (
+        lambda: SolitaryWave(0.05, 0.25, "cnoidal"),
+        "SolitaryWave.theory = 'cnoidal': must be 'exact', 'grimshaw' or 'boussinesq'",
+    ),
+    (lambda: Jonswap(0.2, 1.5, 0.5), "0.6 of the highest steady wave of the peak period"),
+    (lambda: Jonswap(0.02, 1.5, 0.5, gamma=0.5), "Jonswap.gamma = 0.5: must be greater than or equal to 1"),
+])
 def test_bad_input(wave, words):
     with pytest.raises(CaseError, match=words):
         wave()
