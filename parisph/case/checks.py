@@ -22,7 +22,7 @@ from parisph.case.motion import AtRest, Translation
 from parisph.case.probes import singles
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
-from parisph.case.shapes import Box, Tank
+from parisph.case.shapes import Box, Lid, Tank
 from parisph.case.time_scales import SAMPLES, sample
 from parisph.case.values import LARGEST
 
@@ -37,8 +37,8 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*_inside(case), *_size(case)]
     if not found:
-        found += [*_turning(case), *_moving(case), *_absorbing(case), *_viscosity(case), *_friction(case),
-                  *_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_compressible(case), *_forces(case), *_absorbing(case), *_friction(case), *_surface(case),
+                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += time_checks.problems(case)
     return found
@@ -56,53 +56,50 @@ def _dimensions(case: Scene) -> Iterator[str]:
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
 
 
-def _turning(case: Scene) -> Iterator[str]:
-    if not case.turns:
-        return
-    numerics = case.numerics.resolved()
-    if METHODS[case.numerics.method].step == "compressible":
-        yield (f"frame = {case.frame.kind}: weakly compressible SPH has no Coriolis force; choose a projection method, "
-               "or a frame that does not turn")
-    elif "coriolis" not in numerics.forces:
-        yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
-
-
-def _moving(case: Scene) -> Iterator[str]:
+def _compressible(case: Scene) -> Iterator[str]:
+    """What weakly compressible SPH does not have."""
     if METHODS[case.numerics.method].step != "compressible":
         return
+    lacks, choose = "weakly compressible SPH has", "choose a projection method"
+    if case.turns:
+        yield f"frame = {case.frame.kind}: {lacks} no Coriolis force; {choose}, or a frame that does not turn"
+    if case.zones:
+        yield f"absorb: {lacks} no zones; {choose}, or leave them out"
+    if case.viscosity:
+        yield (f"fluid.viscosity = {case.viscosity:g}: {lacks} its artificial viscosity alone; set "
+               f"numerics.artificial_viscosity, or {choose}")
+    if case.friction is not None:
+        yield f"friction: {lacks} none; {choose}, or leave it out"
     for name, body in zip(scenery.body_names(case.bodies), case.bodies):
         if not isinstance(motion_of(body), AtRest):
-            yield (f"walls, {name}: weakly compressible SPH has no walls that move; choose a projection method, leave "
-                   "the motion out, or give that of a whole tank as frame=")
+            yield (f"walls, {name}: {lacks} no walls that move; {choose}, leave the motion out, or give that of a "
+                   "whole tank as frame=")
+        if (body.sticky or isinstance(body.lid, Lid)) if isinstance(body, Tank) else body.slip == "none":
+            yield f"walls, {name}: {lacks} no friction on walls; {choose}, or leave no_slip, slip and Lid out"
+
+
+def _forces(case: Scene) -> Iterator[str]:
+    """Physics that the chosen forces leave out."""
+    if METHODS[case.numerics.method].step == "compressible":
+        return
+    forces = case.numerics.resolved().forces
+    for there, name, force in ((case.turns, f"frame = {case.frame.kind}", "coriolis"), (case.zones, "absorb", "absorb"),
+                               (case.friction, "friction", "friction")):
+        if there and force not in forces:
+            yield f"{name}: needs the force '{force}'; add it to numerics.forces"
 
 
 def _absorbing(case: Scene) -> Iterator[str]:
-    if not case.zones:
-        return
-    if case.wall_bounds is None:
+    if case.zones and case.wall_bounds is None:
         yield "absorb: there is no tank; give walls=Tank(...) or leave the zones out"
-        return
-    yield from absorb.problems(case.zones, case.ends)
-    if METHODS[case.numerics.method].step == "compressible":
-        yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
-    elif "absorb" not in case.numerics.resolved().forces:
-        yield "absorb: needs the force 'absorb'; add it to numerics.forces"
-
-
-def _viscosity(case: Scene) -> Iterator[str]:
-    if case.viscosity and METHODS[case.numerics.method].step == "compressible":
-        yield (f"fluid.viscosity = {case.viscosity:g}: weakly compressible SPH has its artificial viscosity alone; "
-               "set numerics.artificial_viscosity, or choose a projection method")
+    elif case.zones:
+        yield from absorb.problems(case.zones, case.ends)
 
 
 def _friction(case: Scene) -> Iterator[str]:
     law, s = case.friction, case.numerics.spacing
     if law is None:
         return
-    if METHODS[case.numerics.method].step == "compressible":
-        yield "friction: weakly compressible SPH has none; choose a projection method, or leave it out"
-    elif "friction" not in case.numerics.resolved().forces:
-        yield "friction: needs the force 'friction'; add it to numerics.forces"
     if all(_sticks(body) for body in case.bodies):
         yield ("friction: acts on walls along which fluid slips, and this scene has none; leave it out, "
                "or make walls without no_slip")

@@ -356,7 +356,7 @@ class Projection:
         self._correct_velocity(dt)
         budget.mark(p, "pressure")
         for force in self.parts.forces:
-            if force.cause:
+            if force.cause and budget.causes:
                 budget.move("pressure", force.cause, force.work(flow, start))
         self._regularise_velocity(dt)
         if flow.returned:

@@ -135,6 +135,8 @@ def test_parts(make, message):
      "walls: reaches 1e.12 m from the origin"),
     ({"gravity": (0.0, 0.0), "numerics": numerics(method="SPH")},
      "numerics.sound_speed: is not set, and without gravity .* set it to 10 times the highest speed"),
+    ({"walls": Tank(2.0, 2.0, no_slip=True), "numerics": numerics(method="SPH")},
+     "walls, tank: weakly compressible SPH has no friction on walls; choose a projection method"),
     ({"walls": Tank(2.0, 2.0, motion=Sway(0.01, 1.0)), "numerics": numerics(method="SPH")},
      "walls, tank: weakly compressible SPH has no walls that move; choose a projection method"),
     ({"frame": Sway(1.0, 1e9)}, r"frame = sway reaches 1e.09 m/s, must be below 1480, the speed of sound in water"),
