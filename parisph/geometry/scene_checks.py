@@ -28,6 +28,7 @@ from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
 ROOM = 2.0      # spacings that a tank needs behind the extreme position of a wavemaker
+AIR = 2.0       # spacings of air below a lid: with less the force on a tank that sways is more than 1 % too large
 LEAST = 4       # fluid particles that a scene needs
 STRETCH = 0.1   # of a spacing: a Box whose lattice differs more gets advice
 DEEP = 0.01     # of the depth of a wave: largest difference from that of the water
@@ -73,7 +74,7 @@ def warnings(case: Case) -> list[str]:
     """Return what will be computed with larger errors, and advice on the spacing."""
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
-    return [*own, *_filled(case), *_neared(case, walls), *_airless(case), *_advice(case)]
+    return [*own, *_filled(case), *_neared(case, walls), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -181,23 +182,38 @@ def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     tank, s = case.tank, case.numerics.spacing
     if tank is None or case.closed or case.lone_tank is not None or not _at_lid(case):
         return
-    top, width = float(tank.bounds[1][1]), tank.width
-    if fluid_area(Filling(StillWater(level=top), walls, s), *domain(case)) - volume(case) < 0.5 * s * width:
+    if _air(case, walls) < 0.5 * s:
+        top = float(tank.bounds[1][1])
         yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
                f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
                f"{s:g} m")
 
 
-def _at_lid(case: Case) -> bool:
+def _at_lid(case: Case, within: float = 1.0) -> bool:
     tank = case.tank
-    return tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - case.numerics.spacing
+    return tank is not None and tank.closed and (
+        case.fluid_bounds[1][1] > tank.bounds[1][1] - within * case.numerics.spacing)
 
 
-def _airless(case: Case) -> Iterator[str]:
-    """Fluid without a surface, in a scene that does not count as closed."""
-    if not case.closed and _at_lid(case) and not has_surface(case):
+def _air(case: Case, walls: tuple[Wall, ...]) -> float:
+    """Return the mean thickness [m] of the air in a tank."""
+    assert case.tank is not None
+    full = Filling(StillWater(level=float(case.tank.bounds[1][1])), walls, case.numerics.spacing)
+    return (fluid_area(full, *domain(case)) - volume(case)) / case.tank.width
+
+
+def airless(case: Case) -> Iterator[str]:
+    """Yield a warning of fluid without a surface, or with little air, in a scene that does not count as closed."""
+    s = case.numerics.spacing
+    if case.closed or not _at_lid(case, AIR):
+        return
+    if _at_lid(case) and not has_surface(case):
         yield ("no fluid particle is on a free surface, so that p = 0 is set only at the highest one; leave a spacing "
                "of air below the lid, or fill the tank with StillWater")
+    elif case.dim == 2 and (air := _air(case, standing(case))) < (1.0 - FIT) * AIR * s:
+        yield (f"fluid: the air below the lid is {air:.3g} m thick in the mean, {air / s:.3g} spacings; with less than "
+               f"{AIR:g}, water that reaches the lid pushes the tank as if it were half a spacing deeper; use a "
+               f"spacing of at most {rounded_down(air / AIR)}")
 
 
 def _advice(case: Case) -> Iterator[str]:
