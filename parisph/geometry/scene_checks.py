@@ -15,15 +15,16 @@ from parisph.case.lattice import FIT, misfit
 from parisph.case.motion import AtRest, Rotation, course
 from parisph.case.scenery import body_names, fluid_names
 from parisph.case.schema import Case
-from parisph.case.shapes import Box, Tank
+from parisph.case.shapes import Box, Polygon, Tank
 from parisph.geometry import feasible, probe_places
 from parisph.geometry.build import counts, domain, fillings, has_surface, volume
 from parisph.geometry.columns import beds
+from parisph.geometry.distance import nearest
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.quadrature import fluid_area
-from parisph.geometry.solid import Wall, solid_of
+from parisph.geometry.solid import Wall, signed_area, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
@@ -73,7 +74,7 @@ def faults(case: Case) -> list[str]:
 def warnings(case: Case) -> list[str]:
     """Return what will be computed with larger errors, and advice on the spacing."""
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
-    own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
+    own = [*feasible.warnings(walls, shapes, case.numerics.spacing), *_stepped(case, walls)] if walls else []
     return [*own, *_filled(case), *_neared(case, walls), *_advice(case)]
 
 
@@ -214,6 +215,23 @@ def airless(case: Case) -> Iterator[str]:
         yield (f"fluid: the air below the lid is {air:.3g} m thick in the mean, {air / s:.3g} spacings; with less than "
                f"{AIR:g}, water that reaches the lid pushes the tank as if it were half a spacing deeper; use a "
                f"spacing of at most {rounded_down(air / AIR)}")
+
+
+def _stepped(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Polygons whose surface does not lie on the lattice, so that it starts below where the user puts it."""
+    s, corners = case.numerics.spacing, wall_mesh(walls, case.numerics.spacing).corners()
+    for (name, fluid), fill in zip(fluid_names(case), fillings(case)):
+        if not isinstance(fluid.shape, Polygon):
+            continue
+        points = np.array(fluid.shape.points)
+        a, b = (points, np.roll(points, -1, axis=0))[:: 1 if signed_area(points) > 0.0 else -1]
+        rows = (np.stack([a, b])[..., 1] - fill.origin[1]) / fill.step[1]
+        fits = (abs(a - b)[:, 1] < FIT * s) & (abs(rows - np.round(rows)).max(axis=0) < FIT)
+        free = (b[:, 0] < a[:, 0] - s) & (nearest(0.5 * (a + b), corners)[0] > 0.5 * s)
+        for k in np.flatnonzero(free & ~fits)[:1]:
+            yield (f"{name}: the surface from ({b[k, 0]:g}, {b[k, 1]:g}) to ({a[k, 0]:g}, {a[k, 1]:g}) does not lie on "
+                   "the lattice, and starts in steps up to a spacing below it: water at rest has too low a pressure; "
+                   "give the elevation of a Box or of StillWater instead, or use a smaller spacing")
 
 
 def _advice(case: Case) -> Iterator[str]:
