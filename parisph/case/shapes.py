@@ -114,7 +114,8 @@ class Polygon(Model):
 
     @model_validator(mode="after")
     def _uncrossed(self) -> "Polygon":
-        check_line([p for p, last in zip(self.points, self.points[-1:] + self.points[:-1]) if p != last], True, False)
+        points = list(self.points)
+        check_line([p for p, last in zip(points, points[-1:] + points[:-1]) if p != last], True, False)
         return self
 
     @property

@@ -48,8 +48,10 @@ def test_a_file_that_is_no_series_is_refused_in_one_line(tmp_path, content, mess
 
 
 @pytest.mark.parametrize("name, message", [(".", "it is a folder"), ("/dev/zero", "not a regular file"),
-                                           ("gone.csv", "gone.csv"), ("a" * 300, "File name too long")])
+                                           ("gone.csv", "gone.csv"), ("a" * 300, "File name too long"),
+                                           ("run", "it is a folder; give the file .*/run/probes/NAME.csv")])
 def test_what_is_no_file_is_not_opened(tmp_path, name, message):
+    (tmp_path / "run" / "probes").mkdir(parents=True)
     with pytest.raises(StoreError, match=message):
         table.read_reference(tmp_path / name, "T", "z")
 
