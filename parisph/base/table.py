@@ -1,6 +1,7 @@
 """Reference series, measured or computed elsewhere: two columns of a CSV file. Not collective."""
 
 from collections.abc import Mapping
+from os.path import isdir, join
 
 import numpy as np
 
@@ -47,7 +48,8 @@ def read(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
     try:
         return reading.read_columns(path)
     except OSError as error:
-        raise StoreError(f"cannot read {named(path)}: {error.strerror}") from None
+        of_run = f"; give the file of a probe, as {path}/probes/NAME.csv" if isdir(join(path, "probes")) else ""
+        raise StoreError(f"cannot read {named(path)}: {error.strerror}{of_run}") from None
     except ValueError as error:
         raise StoreError(f"cannot read {named(path)} as a CSV file: {error}") from None
 

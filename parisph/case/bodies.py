@@ -7,10 +7,9 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from parisph.base.arrays import Floats
-from parisph.base.text import shown
 from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, Motion, PistonStroke, Rotation
-from parisph.case.shapes import Name, Shape, Tank
+from parisph.case.shapes import Name, Shape, Tank, check_line
 from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction
 
 PistonWave = Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap],
@@ -41,7 +40,7 @@ class Profile(Model):
 
     @model_validator(mode="after")
     def _one_line(self) -> "Profile":
-        _check_line(self.points, closed=False)
+        check_line(self.points, closed=False)
         if self.side is None and self.points[0][0] == self.points[-1][0]:
             raise ValueError(f"points: the first and the last have the same x = {self.points[0][0]:g}, so that neither "
                              'side is above; give side="left" or side="right", as seen along the points')
@@ -74,7 +73,7 @@ class Obstacle(Model):
     @model_validator(mode="after")
     def _one_outline(self) -> "Obstacle":
         if self.shape.kind == "polygon":
-            _check_line(self.shape.points, closed=True)
+            check_line(self.shape.points, closed=True)
         return self
 
     @property
@@ -98,7 +97,7 @@ class Plate(Model):
 
     @model_validator(mode="after")
     def _one_line(self) -> "Plate":
-        _check_line(self.points, closed=False)
+        check_line(self.points, closed=False)
         return self
 
     @property
@@ -250,38 +249,3 @@ Walls = Annotated[
 def _box(points: Sequence[Sequence[float]]) -> tuple[Floats, Floats]:
     p = np.array(points, dtype=float)
     return p.min(axis=0), p.max(axis=0)
-
-
-def _check_line(points: Sequence[Sequence[float]], closed: bool) -> None:
-    """Raise ValueError if two consecutive points are equal, or the line through them meets itself."""
-    p = np.array(points, dtype=float)
-    a, b = (p, np.roll(p, -1, axis=0)) if closed else (p[:-1], p[1:])
-    same = np.flatnonzero((a == b).all(axis=1))
-    if same.size:
-        raise ValueError(f"points: {shown(points[same[0]])} is given twice in a row; leave one out")
-    for i in range(len(a) - 1):
-        j = _first_met(a, b, i, closed)
-        if j is not None:
-            one, other = (f"from {shown(tuple(a[k].tolist()))} to {shown(tuple(b[k].tolist()))}" for k in (i, j))
-            raise ValueError(f"points: the line {one} meets that {other}; give the points in order along one line")
-
-
-def _first_met(a: Floats, b: Floats, i: int, closed: bool) -> int | None:
-    """Return the first later piece that piece i touches or crosses except at a shared end, or None."""
-    j = np.arange(i + 1, len(a))
-    before = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i]) <= 0.0
-    across = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j]) <= 0.0
-    lower = np.maximum(np.minimum(a[i], b[i]), np.minimum(a[j], b[j]))
-    upper = np.minimum(np.maximum(a[i], b[i]), np.maximum(a[j], b[j]))
-    met = before & across & (lower <= upper).all(axis=1)
-    for next_to, end, start in ((i + 1, b[i], a), (len(a) - 1 if closed and i == 0 else -1, a[i], b)):
-        if i < next_to < len(a):    # pieces that join may not fold back on each other
-            away, along = (b[next_to] if start is a else a[next_to]) - end, (a[i] if start is a else b[i]) - end
-            folded = away[0] * along[1] - away[1] * along[0] == 0.0 and away @ along > 0.0
-            met[next_to - i - 1] = folded
-    return int(j[met][0]) if met.any() else None
-
-
-def _side(a: Floats, b: Floats, p: Floats) -> Floats:
-    """Return the cross product of b - a and p - a: positive if p is on the left."""
-    return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal, Union
 
 import numpy as np
-from pydantic import AfterValidator, Field, field_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from parisph.base.arrays import Flags, Floats
+from parisph.base.text import shown
 from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest
 
@@ -107,9 +108,15 @@ class Polygon(Model):
     def _encloses(cls, points: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
         if any(len(point) != 2 for point in points):
             raise ValueError("every corner must have two coordinates (x, y): scenes are 2D so far")
-        if _area(points) == 0.0:
+        if np.linalg.matrix_rank(np.array(points) - points[0]) < 2:
             raise ValueError("the corners enclose no area: give at least three that are not on one line")
         return points
+
+    @model_validator(mode="after")
+    def _uncrossed(self) -> "Polygon":
+        points = list(self.points)
+        check_line([p for p, last in zip(points, points[-1:] + points[:-1]) if p != last], True, False)
+        return self
 
     @property
     def edges(self) -> int:
@@ -145,6 +152,44 @@ def _area(points: Sequence[Sequence[float]]) -> float:
     x, y = np.array(points).T
     x, y = x - x[0], y - y[0]    # far from the origin the products would cancel
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
+
+
+def check_line(points: Sequence[Sequence[float]], closed: bool, touching: bool = True) -> None:
+    """Raise ValueError if two consecutive points are equal, or the line through them crosses, or touches, itself."""
+    p = np.array(points, dtype=float)
+    a, b = (p, np.roll(p, -1, axis=0)) if closed else (p[:-1], p[1:])
+    same = np.flatnonzero((a == b).all(axis=1))
+    if same.size:
+        raise ValueError(f"points: {shown(points[same[0]])} is given twice in a row; leave one out")
+    for i in range(len(a) - 1):
+        j = _first_met(a, b, i, closed, touching)
+        if j is not None:
+            one, other = (f"from {shown(tuple(a[k].tolist()))} to {shown(tuple(b[k].tolist()))}" for k in (i, j))
+            raise ValueError(f"points: the line {one} meets that {other}; give the points in order along one line")
+
+
+def _first_met(a: Floats, b: Floats, i: int, closed: bool, touching: bool) -> int | None:
+    """Return the first later piece that piece i crosses, or touches except at a shared end, or None."""
+    j = np.arange(i + 1, len(a))
+    before = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i])
+    across = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j])
+    if not touching:
+        crossed = (before < 0.0) & (across < 0.0)
+        return int(j[crossed][0]) if crossed.any() else None
+    lower = np.maximum(np.minimum(a[i], b[i]), np.minimum(a[j], b[j]))
+    upper = np.minimum(np.maximum(a[i], b[i]), np.maximum(a[j], b[j]))
+    met = (before <= 0.0) & (across <= 0.0) & (lower <= upper).all(axis=1)
+    for next_to, end, start in ((i + 1, b[i], a), (len(a) - 1 if closed and i == 0 else -1, a[i], b)):
+        if i < next_to < len(a):    # pieces that join may not fold back on each other
+            away, along = (b[next_to] if start is a else a[next_to]) - end, (a[i] if start is a else b[i]) - end
+            folded = away[0] * along[1] - away[1] * along[0] == 0.0 and away @ along > 0.0
+            met[next_to - i - 1] = folded
+    return int(j[met][0]) if met.any() else None
+
+
+def _side(a: Floats, b: Floats, p: Floats) -> Floats:
+    """Return the cross product of b - a and p - a: positive if p is on the left."""
+    return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])
 
 
 class Lid(Model):

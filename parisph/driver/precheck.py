@@ -74,6 +74,7 @@ def early_warnings(case: Case, count: Mapping[str, int], expected: scales.Scales
     ranks : number of ranks that share the work
     """
     yield from doubtful.doubts(case, estimate.waves_of(case, expected))
+    yield from scene_checks.airless(case)
     numerics = case.numerics.resolved()
     steps = estimate.estimated_steps(case, numerics, expected)
     seconds = steps * cost.seconds_per_step(numerics, count["all"])[0] / ranks

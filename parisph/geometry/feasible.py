@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from heapq import merge
+from operator import itemgetter
 
 import numpy as np
 
-from parisph.base.arrays import Floats
+from parisph.base.arrays import Floats, Ints
 from parisph.base.text import rounded_down
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import FIT
@@ -24,6 +26,7 @@ THIN = 0.1       # spacings: the front and the back of a thinner solid cannot be
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
 FLAT = 10.0      # degrees: on a flatter slope, the tip of the water is one particle deep over many spacings
 RESTLESS = ", and waves that reach it may gain energy; to absorb them, use a Sponge instead of the slope"
+POINTED = np.radians(210.0)    # angle of the fluid: walls see past a blunter corner what it faces
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: values that a message proposes are accepted
 
@@ -67,20 +70,39 @@ def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Cha
 def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain], walls: Sequence[Wall] = ()) -> tuple[float, Floats, int, int]:
     """Return the least distance [m] across fluid between walls that do not join there, its place, and the two bodies.
 
-    It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
-    another. walls : bodies beside a Filled among them are left out, as their distance falls with the spacing
+    It is measured along the normal from the middle of each element, and from corners that point into the fluid, such
+    as the end of a Plate. Returns (inf, nan, -1, -1) if no wall faces another.
+    walls : bodies beside a Filled among them are left out, as their distance falls with the spacing
     """
     if chains and len(mesh.elements):
         pieces, owner = (np.concatenate(parts) for parts in zip(*((chain.elements, chain.body) for chain in chains)))
         middle, way = mesh.corners().mean(axis=1), unit_normals(mesh.corners())
         filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
         gap, piece = across(middle, way, pieces)
-        for k in np.argsort(gap, kind="stable")[: np.count_nonzero(np.isfinite(gap))]:
-            pair = int(mesh.element_body[k]), int(owner[piece[k]])
-            beside = any(number in pair or set(pair) == set(own) for number, own in filled.items())
-            if not beside and not _meet(pieces, piece[k], middle[k]):
-                return float(gap[k]), middle[k] + 0.5 * gap[k] * way[k], *pair
+        faced = ((float(gap[k]), middle[k] + 0.5 * gap[k] * way[k], int(mesh.element_body[k]), int(owner[piece[k]]))
+                 for k in np.argsort(gap, kind="stable")[: np.count_nonzero(np.isfinite(gap))]
+                 if not _meet(pieces, piece[k], middle[k]))
+        pointed = sorted(_before_corners(chains, pieces, owner), key=itemgetter(0))
+        for found in merge(faced, pointed, key=itemgetter(0)):
+            pair = found[2:]
+            if not any(number in pair or set(pair) == set(own) for number, own in filled.items()):
+                return found
     return np.inf, np.full(2, np.nan), -1, -1
+
+
+def _before_corners(chains: Sequence[Chain], pieces: Floats, owner: Ints) -> Iterator[tuple[float, Floats, int, int]]:
+    """Yield, as of `thinnest_gap`, the least distance from each corner that points into the fluid to a facing piece."""
+    normal = unit_normals(pieces)
+    for chain in chains:
+        for k in np.flatnonzero(chain.angle > POINTED):
+            x, sides = chain.points[k], chain.points[[k - 1, (k + 1) % len(chain.points)]] - chain.points[k]
+            way = on_segments(x, pieces[:, 0], pieces[:, 1]) - x
+            ahead = (way @ sides.T <= ROUNDING * np.linalg.norm(way, axis=1)[:, None] * np.linalg.norm(sides, axis=1)
+                     ).all(axis=1) & (np.sum(way * normal, axis=1) < 0.0)
+            if ahead.any():
+                gap = np.where(ahead, np.linalg.norm(way, axis=1), np.inf)
+                near = int(np.argmin(gap))
+                yield float(gap[near]), x + 0.5 * way[near], int(chain.body[k % len(chain.body)]), int(owner[near])
 
 
 def _meet(pieces: Floats, piece: int, m: Floats) -> bool:

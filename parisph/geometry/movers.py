@@ -31,7 +31,10 @@ class Mover(Protocol):
     """
 
     def moved(self, mesh: WallMesh, own: Ints, at: float, start: float, stop: float) -> MovedNodes:
-        """Return the nodes `own` (n,) of the mesh at time `at` [s], in a step from start to stop [s]."""
+        """Return the nodes `own` (n,) of the mesh at time `at` [s], in a step from start to stop [s].
+
+        mesh.x0[own], mesh.normal0[own] and mesh.vector_area[own] are those at t = 0
+        """
 
     def longest_step(self, x0: Floats, time: float, room: float) -> float:
         """Return the longest step [s] after a time [s] in which no node x0 (n, dim) moves by more than `room` [m].

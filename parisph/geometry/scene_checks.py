@@ -15,19 +15,21 @@ from parisph.case.lattice import FIT, misfit
 from parisph.case.motion import AtRest, Rotation, course
 from parisph.case.scenery import body_names, fluid_names
 from parisph.case.schema import Case
-from parisph.case.shapes import Box, Tank
+from parisph.case.shapes import Box, Polygon, Tank
 from parisph.geometry import feasible, probe_places
 from parisph.geometry.build import counts, domain, fillings, has_surface, volume
 from parisph.geometry.columns import beds
+from parisph.geometry.distance import nearest
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.quadrature import fluid_area
-from parisph.geometry.solid import Wall, solid_of
+from parisph.geometry.solid import Wall, signed_area, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
 ROOM = 2.0      # spacings that a tank needs behind the extreme position of a wavemaker
+AIR = 2.0       # spacings of air below a lid: with less the force on a tank that sways is more than 1 % too large
 LEAST = 4       # fluid particles that a scene needs
 STRETCH = 0.1   # of a spacing: a Box whose lattice differs more gets advice
 DEEP = 0.01     # of the depth of a wave: largest difference from that of the water
@@ -72,8 +74,8 @@ def faults(case: Case) -> list[str]:
 def warnings(case: Case) -> list[str]:
     """Return what will be computed with larger errors, and advice on the spacing."""
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
-    own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
-    return [*own, *_filled(case), *_neared(case, walls), *_airless(case), *_advice(case)]
+    own = [*feasible.warnings(walls, shapes, case.numerics.spacing), *_stepped(case, walls)] if walls else []
+    return [*own, *_filled(case), *_neared(case, walls), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -181,23 +183,55 @@ def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     tank, s = case.tank, case.numerics.spacing
     if tank is None or case.closed or case.lone_tank is not None or not _at_lid(case):
         return
-    top, width = float(tank.bounds[1][1]), tank.width
-    if fluid_area(Filling(StillWater(level=top), walls, s), *domain(case)) - volume(case) < 0.5 * s * width:
+    if _air(case, walls) < 0.5 * s:
+        top = float(tank.bounds[1][1])
         yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
                f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
                f"{s:g} m")
 
 
-def _at_lid(case: Case) -> bool:
+def _at_lid(case: Case, within: float = 1.0) -> bool:
     tank = case.tank
-    return tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - case.numerics.spacing
+    return tank is not None and tank.closed and (
+        case.fluid_bounds[1][1] > tank.bounds[1][1] - within * case.numerics.spacing)
 
 
-def _airless(case: Case) -> Iterator[str]:
-    """Fluid without a surface, in a scene that does not count as closed."""
-    if not case.closed and _at_lid(case) and not has_surface(case):
+def _air(case: Case, walls: tuple[Wall, ...]) -> float:
+    """Return the mean thickness [m] of the air in a tank."""
+    assert case.tank is not None
+    full = Filling(StillWater(level=float(case.tank.bounds[1][1])), walls, case.numerics.spacing)
+    return (fluid_area(full, *domain(case)) - volume(case)) / case.tank.width
+
+
+def airless(case: Case) -> Iterator[str]:
+    """Yield a warning of fluid without a surface, or with little air, in a scene that does not count as closed."""
+    s = case.numerics.spacing
+    if case.closed or not _at_lid(case, AIR):
+        return
+    if _at_lid(case) and not has_surface(case):
         yield ("no fluid particle is on a free surface, so that p = 0 is set only at the highest one; leave a spacing "
                "of air below the lid, or fill the tank with StillWater")
+    elif case.dim == 2 and (air := _air(case, standing(case))) < (1.0 - FIT) * AIR * s:
+        yield (f"fluid: the air below the lid is {air:.3g} m thick in the mean, {air / s:.3g} spacings; with less than "
+               f"{AIR:g}, water that reaches the lid pushes the tank as if it were half a spacing deeper; use a "
+               f"spacing of at most {rounded_down(air / AIR)}")
+
+
+def _stepped(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Polygons whose surface does not lie on the lattice, so that it starts below where the user puts it."""
+    s, corners = case.numerics.spacing, wall_mesh(walls, case.numerics.spacing).corners()
+    for (name, fluid), fill in zip(fluid_names(case), fillings(case)):
+        if not isinstance(fluid.shape, Polygon):
+            continue
+        points = np.array(fluid.shape.points)
+        a, b = (points, np.roll(points, -1, axis=0))[:: 1 if signed_area(points) > 0.0 else -1]
+        rows = (np.stack([a, b])[..., 1] - fill.origin[1]) / fill.step[1]
+        fits = (abs(a - b)[:, 1] < FIT * s) & (abs(rows - np.round(rows)).max(axis=0) < FIT)
+        free = (b[:, 0] < a[:, 0] - s) & (nearest(0.5 * (a + b), corners)[0] > 0.5 * s)
+        for k in np.flatnonzero(free & ~fits)[:1]:
+            yield (f"{name}: the surface from ({b[k, 0]:g}, {b[k, 1]:g}) to ({a[k, 0]:g}, {a[k, 1]:g}) does not lie on "
+                   "the lattice, and starts in steps up to a spacing below it: water at rest has too low a pressure; "
+                   "give the elevation of a Box or of StillWater instead, or use a smaller spacing")
 
 
 def _advice(case: Case) -> Iterator[str]:

@@ -229,6 +229,9 @@ def test_fluid_without_a_surface_is_announced(tmp_path):
     case = without_surface()
     assert "warning" in describe(case) and "no fluid particle is on a free surface" in describe(case)
     assert "warning" not in describe(column(0.3))
+    for air, said in ((0.15, "0.15 m thick in the mean, 1.5 spacings; with less than 2"), (0.2, "")):
+        little = water(Box(1.0, 1.0 - air), (1.0, 1.0, True), dict(spacing=0.1), end_time=0.1)
+        assert said in describe(little) and ("warning" in describe(little)) == bool(said)
     summary = run_alone(case, tmp_path / "run")
     assert summary["status"] == "completed with warnings"
     assert any("121 particles had no contact with a free surface at the start (of 81 fluid particles and the "

@@ -75,3 +75,14 @@ def test_a_slit_between_bodies_is_refused_with_remedies_that_work(other, gap):
     for shift in (-gap, S - gap):
         moved = other.at[0] + (shift if other.at[0] > 2.0 else 0.0), other.at[1] + (shift if other.at[0] < 2.0 else 0.0)
         assert faults(scene(LEFT, other.model_copy(update={"at": moved}))) == []
+
+
+@pytest.mark.parametrize("left, right, stepped", [
+    (1.0, 1.0, False), (1.05, 1.05, True), (1.0, 1.2, True), (1.2, 1.0, True),
+])
+def test_a_surface_off_the_lattice_is_announced(left, right, stepped):
+    """It starts in steps below its place. With gentle, a slope of 15 degrees and d/s = 13, p at the bed is 4 % low."""
+    corners = [(0.0, 0.0), (4.0, 0.0), (4.0, right), (0.0, left)]
+    for order in (corners, corners[::-1]):
+        said = [text for text in scene_checks.warnings(scene(Polygon(order))) if "on the lattice" in text]
+        assert len(said) == stepped and all(f"from (0, {left:g}) to (4, {right:g})" in text for text in said), said

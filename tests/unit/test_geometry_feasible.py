@@ -62,8 +62,14 @@ def test_what_is_wrong_is_said(walls, fluids, words):
 
 
 @pytest.mark.parametrize("height", [0.08, 0.31])
-def test_thinnest_gap_is_below_the_box(height):
-    walls = [Tank(3.0, 2.0), Obstacle(Box(0.5, 0.3, at=(1.0, height)))]
+@pytest.mark.parametrize("above", [
+    lambda y: Obstacle(Box(0.5, 0.3, at=(1.0, y))),
+    lambda y: Plate([(1.0, y), (1.0, y + 0.5)]),
+    lambda y: Plate([(1.0, y), (1.0, 2.0)]),    # joined to the lid
+    lambda y: Obstacle(Polygon([(1.0, y), (1.2, y + 0.3), (0.7, y + 0.4)])),
+])
+def test_thinnest_gap_is_below_the_body(above, height):
+    walls = [Tank(3.0, 2.0, lid=True), above(height)]
     chains = joined([solid_of(wall) for wall in walls], S)
     gap, at, one, other = thinnest_gap(wall_mesh(walls, S), chains)
     assert gap == pytest.approx(height)
