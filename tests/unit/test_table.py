@@ -20,7 +20,8 @@ def test_truth_is_scaled_sorted_and_may_lack_the_last_line_end(tmp_path):
     ("t.csv", "set", 1.0, "line 2 of column 'set' holds a word, not a number"),
     ("t.csv", "z", 1e300, "reaches more than 1e.30 when scaled"), (".", "z", 1.0, "it is a folder"),
     ("/dev/zero", "z", 1.0, "not a regular file"), ("gone.csv", "z", 1.0, "gone.csv"),
-    ("a" * 300, "z", 1.0, "File name too long"), ("run", "z", 1.0, "it is a folder; give the file .*/run/probes/NAME.csv"),
+    ("a" * 300, "z", 1.0, "File name too long"),
+    ("run", "z", 1.0, "it is a folder; give the file .*/run/probes/NAME.csv"),
 ])
 def test_a_truth_that_cannot_be_read_is_named(tmp_path, name, column, scale, says):
     (tmp_path / "run" / "probes").mkdir(parents=True)
