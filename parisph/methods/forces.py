@@ -63,7 +63,7 @@ class Viscous(ForceTerm):
     first step.
     """
 
-    name, source, reach, only, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, "viscous", "viscous force"
+    name, source, reach, only, words = "viscous", "Z14 Eq 2", lengths.WALL, "viscous", "viscous force"
     fields = "no_slip", "wall_u", "nu", "viscous"
     open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # additional ones with a free surface
 
@@ -89,9 +89,9 @@ class Viscous(ForceTerm):
         """
         p, s, cloud = flow.particles, flow.spacing, flow.cloud._replace(kind=seen)
         flowing = viscous.Flowing(p.u_all, p.nu_all, p.no_slip_all)
-        viscous.corrected(out, cloud, walls, flowing, lengths.VISCOUS * s, lengths.DENSITY * s)
+        viscous.corrected(out, cloud, walls, flowing, lengths.WALL * s, lengths.DENSITY * s)
         if flow.open:
-            surface_stress.stress_free(out, p.surface_pressure, cloud, walls, flowing, lengths.VISCOUS * s)
+            surface_stress.stress_free(out, p.surface_pressure, cloud, walls, flowing, lengths.WALL * s)
             p.surface_pressure *= flow.density
 
     def longest_step(self, flow: "Flow") -> float:

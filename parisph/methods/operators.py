@@ -27,7 +27,7 @@ from parisph.kernels.curvature import Bending
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
 from parisph.kernels.records import Cloud, DivergenceRows, Rows
-from parisph.methods import lengths
+from parisph.methods import lengths, straining
 from parisph.methods.parts import (
     DIVERGENCES,
     GRADIENTS,
@@ -54,7 +54,6 @@ RAPID_INFLATION = 60.0    # tuned 30 to 120: limit on that variance on a surface
 # three other starts the error of P2 is .042, with SFDI wall rows .055.
 RAPID_WALL_INFLATION = 2.5    # tuned 1.25 to 5: limit on that variance in wall rows of water that breaks; measured
 # Floors of det/(trace/dim)^dim of the neighbours' moment, below which a particle is ballistic.
-FLOOR = 0.05        # tuned 0.025 to 0.1: floor of the neighbours' moment with the plain weight, else ballistic; judged
 SFDI_FLOOR = 0.2    # tuned 0.1 to 0.4: floor of the neighbours' moment with the weight over r^2; judged
 
 directions = cache(rankine.directions)    # kernels only read them
@@ -130,19 +129,19 @@ class Cisph2(Sparse):
 class Gfd(Sparse):
     """Generalised finite differences: least squares of a polynomial of degree 2."""
 
-    name, source, reach = "gfd", "generalised finite differences", lengths.QUADRATIC
+    name, source, reach = "gfd", "generalised finite differences", lengths.WALL
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        gfd.gfd_rows(rows, cloud, lengths.QUADRATIC * cloud.spacing)
+        gfd.gfd_rows(rows, cloud, lengths.WALL * cloud.spacing)
 
 
 class QuadraticRankine(Sparse):
     """ISPH_R with quadratic moving least squares, which needs no normalisation."""
 
-    name, source, reach = "rankine_quadratic", "Z14 Eqs 21-23", lengths.QUADRATIC_CIRCLE + lengths.QUADRATIC
+    name, source, reach = "rankine_quadratic", "Z14 Eqs 21-23", lengths.QUADRATIC_CIRCLE + lengths.WALL
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        circle = _circle(cloud, lengths.QUADRATIC_CIRCLE, lengths.QUADRATIC)
+        circle = _circle(cloud, lengths.QUADRATIC_CIRCLE, lengths.WALL)
         quadratic_circle.quadratic_rankine_rows(rows, cloud, circle)
 
 
@@ -224,7 +223,7 @@ class LeastSquares(Gradient):
     floor : value of det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic
     """
 
-    power, floor = 0, FLOOR
+    power, floor = 0, straining.FLOOR
 
     def form(self, spacing: float) -> Form:
         return Form(self.reach * spacing, self.power, self.floor)
@@ -247,7 +246,7 @@ class LeastSquares(Gradient):
 class MixedGradient(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
-    name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
+    name, source, reach = "mixed", "Z17 Eq 28", lengths.WALL
 
 
 class Cubic(MixedGradient):

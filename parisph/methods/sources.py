@@ -13,8 +13,6 @@ from parisph.methods.positions import compression
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-GIVEN = 4.0    # tuned 2 to 8: least number of steps over which volume is given back; judged
-
 
 class MixedSource(Source):
     """Velocity divergence and density error, weighted by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
@@ -56,7 +54,7 @@ class MixedSource(Source):
         target, none = np.empty(p.n_owned), np.empty(0)
         expansion, left = (p.expansion, p.left) if n.volume_time > 0.0 else (none, none)
         weights = mixed_source.Weights(density, dt, flow.step.usual, zeta, n.strain, n.residual_strain,
-                                       max(n.volume_time * flow.wave_time, GIVEN * dt))
+                                       n.volume_time * flow.wave_time)
         mixed_source.mixed(target, expansion, flow.cloud, flow.rows.div, left, flow.rows.gradient_invariants(p.u_all),
                            flow.step.force, weights)
         return target

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 # of det/(trace/dim)^dim, below which fluid is one layer
-SPAN = 0.05    # tuned 0.025 to 0.1: floor of the neighbours' moment for a velocity gradient; judged
+FLOOR = 0.05    # tuned 0.025 to 0.1: floor of the neighbours' moment with a plain weight, for a gradient; judged
 DOUBT = 0.02   # tuned 0.01 to 0.04: density error near the surface that is disorder in calm fluid; judged
 RAPID = 0.15   # tuned 0.075 to 0.3: rate of strain, over sqrt(a/s), at which flow is half rapid; judged
 REST = 0.005   # tuned 0.0025 to 0.01: rate of strain, over sqrt(a/s), of fluid nearly at rest; judged
@@ -38,7 +38,7 @@ def begin(flow: "Flow", fit: bool = False) -> None:
         return
     flow.fresh("role", "u")
     found = np.empty((p.n_owned if fit else 0, p.dim))
-    strain.velocity_gradient(p.grad_u, p.strain_rate, found, flow.cloud, p.u_all, lengths.MLS * flow.spacing, SPAN)
+    strain.velocity_gradient(p.grad_u, p.strain_rate, found, flow.cloud, p.u_all, lengths.MLS * flow.spacing, FLOOR)
     if step.potential is not None:
         np.minimum(p.strain_rate, np.sqrt(2.0 * step.potential.square), out=p.strain_rate)
     step.beyond_fit = found if fit else None
@@ -54,7 +54,7 @@ def beyond_fit(flow: "Flow") -> Floats:
     p = flow.particles
     found = np.empty_like(p.u)
     strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), found, flow.cloud, p.u_all,
-                             lengths.MLS * flow.spacing, SPAN)
+                             lengths.MLS * flow.spacing, FLOOR)
     return found
 
 

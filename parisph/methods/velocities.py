@@ -43,7 +43,7 @@ class Film(Regulariser):
     def change(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
         change = np.empty_like(p.u)
-        films.settle(change, flow.cloud, p.u_all, flow.step.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
+        films.settle(change, flow.cloud, p.u_all, flow.step.force, lengths.MLS * flow.spacing, straining.FLOOR, dt)
         return change
 
 

@@ -35,7 +35,7 @@ def _vorticity(flow: "Flow", time: float) -> None:
     gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
     with _walls_along(flow, time):
         strain.velocity_gradient(gradient, rate, np.empty((0, p.dim)), flow.cloud, p.u_all, lengths.MLS * flow.spacing,
-                                 straining.SPAN)
+                                 straining.FLOOR)
     p.vorticity[:] = gradient[:, 1, 0] - gradient[:, 0, 1]
 
 
