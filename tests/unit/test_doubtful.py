@@ -108,7 +108,7 @@ DOUBTS = {
                           lambda: over(plate(0.6))),
     "snapshots": ("output.every = 1e-05 s: is shorter than a step", lambda: scene(output=Output(every=1e-5)),
                   lambda: scene(output=Output(every=0.1))),
-    "a century": ("the run would take about ", lambda: scene(end_time=1e5, spacing=0.005),
+    "a century": ("the run would take about ", lambda: scene(end_time=1e6, spacing=0.005),
                   lambda: scene(end_time=1.0, spacing=0.005)),
 }
 
