@@ -179,8 +179,8 @@ class ForceTerm(Part):
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
     def given(self, flow: "Flow") -> Floats:
-        """Return the acceleration (n_owned, dim) [m/s^2] that it added in this step, if it has a cause."""
-        raise NotImplementedError
+        """Return the acceleration (n_owned, dim) [m/s^2] that it added in this step; 0 unless it says so."""
+        return np.zeros_like(flow.particles.x)
 
     def work(self, flow: "Flow", start: Floats) -> float:
         """Return the energy that it gave to owned fluid in the step [J, in 2D J/m], if it has a cause. Not collective.

@@ -13,6 +13,9 @@ from parisph.methods.positions import compression
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
+# Volume is given back a step after it was made, as in x' = x - k x_before: critically damped with k = 1/4.
+CRITICAL = 4.0
+
 
 class MixedSource(Source):
     """Velocity divergence and density error, weighted by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
@@ -54,7 +57,7 @@ class MixedSource(Source):
         target, none = np.empty(p.n_owned), np.empty(0)
         expansion, left = (p.expansion, p.left) if n.volume_time > 0.0 else (none, none)
         weights = mixed_source.Weights(density, dt, flow.step.usual, zeta, n.strain, n.residual_strain,
-                                       n.volume_time * flow.wave_time)
+                                       max(n.volume_time * flow.wave_time, CRITICAL * dt))
         mixed_source.mixed(target, expansion, flow.cloud, flow.rows.div, left, flow.rows.gradient_invariants(p.u_all),
                            flow.step.force, weights)
         return target

@@ -63,7 +63,7 @@ class PressureRows:
                                 _with_room(rows.measure, n))
         shared = flux if self.own_flux else rows
         self.flux = flux = DivergenceRows(_with_room(shared.count, n), _with_room(shared.columns, nnz),
-                                _with_room(flux.flux, nnz), _with_room(flux.div, n))
+                                          _with_room(flux.flux, nnz), _with_room(flux.div, n))
         for array in (rows.count, rows.measure, flux.count, flux.div):
             array[:n] = 0
 
