@@ -9,7 +9,7 @@ from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import gradient, rankine, walls
 from parisph.kernels.circle import Circle
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE, Form
-from parisph.methods.lengths import CIRCLE, MIXED, MLS, SPH, WALL
+from parisph.methods.lengths import CIRCLE, MLS, SPH, WALL
 from tests.manufactured import orders
 from tests.pools import Rows, block, nowhere, tank
 
@@ -17,7 +17,7 @@ CELLS = (20, 40, 80)
 
 # weight, radius in spacings and floor of the least-squares gradients: Zheng et al. (2017), Eqs. 29, 28, 28 with
 # the cubic spline, and 26
-LEAST_SQUARES = {"sfdi": (2, MLS, 0.2), "mixed": (0, MIXED, 0.05),
+LEAST_SQUARES = {"sfdi": (2, MLS, 0.2), "mixed": (0, WALL, 0.05),
                  "mixed_spline": (SPLINE, 2.0 * SPH, 0.05), "corrected": (SPLINE_SLOPE, 2.0 * SPH, 0.05)}
 
 
@@ -143,7 +143,7 @@ def surface_errors(jitter, harmonic):
         pool = tank((cells, cells), jitter=jitter, spacing=s)
         f, exact = harmonic_pressure(pool.x)
         out = np.empty_like(pool.x)
-        gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, Form(MIXED * s, 0, 0.05))
+        gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, Form(WALL * s, 0, 0.05))
         if harmonic:
             gradient.harmonic_gradient(out, pool.cloud, f, WALL * s, np.inf)
         surface = pool.role == SURFACE
