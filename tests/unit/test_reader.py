@@ -11,8 +11,9 @@ from mpi4py import MPI
 
 from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.json_digest import with_digest
-from parisph.case.stored import to_json
+from parisph.case.stored import from_json, to_json
 from parisph.io import checkpoint, snapshot
+from parisph.io.info import describe
 from parisph.io.reader import open_run
 from parisph.io.store import Store, provenance
 from tests import watched
@@ -243,6 +244,17 @@ def test_a_case_that_this_release_would_not_run_is_still_read(folder):
         open_run(folder)
     (folder / "case.json").write_text(unsealed(text))
     assert open_run(folder).case["numerics"]["spacing"] == 0.0501
+
+
+def test_fluid_in_a_polygon_that_crosses_itself_is_read_in_a_run_but_not_computed_anew(folder):
+    content = json.loads((folder / "case.json").read_text())
+    content["fluid"]["shape"] = {"kind": "polygon", "points": [(0.0, 0.0), (1.0, 0.5), (1.0, 0.0), (0.0, 0.25)]}
+    text = unsealed(json.dumps(content))
+    with pytest.raises(CaseError, match="give the points in order along one line"):
+        from_json(text)
+    (folder / "case.json").write_text(text)
+    assert open_run(folder).case["fluid"]["shape"]["kind"] == "polygon"
+    assert "made up" in describe(open_run(folder))
 
 
 def test_a_run_its_tables_and_snapshots_show_what_they_are(folder):
