@@ -5,12 +5,13 @@ from textwrap import indent
 import numpy as np
 from mpi4py import MPI
 
-from parisph import driver
+from parisph import Energy, driver
 from parisph.case.load import load
 from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.stored import to_json
 from parisph.io.reader import open_run
+from parisph.watch import instruments
 from tests.launch import ROOT, mpirun
 
 # The head of a program that runs on several ranks.
@@ -53,6 +54,44 @@ def simulated(case, steps=0, **options):
     for _ in range(steps):
         _MADE[-1].advance()
     return _MADE[-1]
+
+
+def at_end(case):
+    """Return a Simulation in the same way, at the end of the case."""
+    simulation = simulated(case)
+    while not simulation.finished():
+        simulation.advance()
+    return simulation
+
+
+def sampled(simulation, *probes):
+    """Yield {probe: its values} now and after each step until the end, and the report of that step, None of now.
+
+    probes : in place of those of the case
+    """
+    case, report = simulation.case.changed(probes=probes) if probes else simulation.case, None
+    samplers = instruments.build(case, simulation.comm)
+    while True:
+        yield instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time), report
+        if simulation.finished():
+            return
+        report = simulation.advance()
+
+
+def at_start(case):
+    """Return {probe: its values} of a case with the pressure of its start."""
+    simulation = simulated(case)
+    simulation.solve_start()
+    return next(sampled(simulation))[0]
+
+
+def budget(case):
+    """Yield the works of each step of a run, and the gain of energy by the probe [J/m]."""
+    before = None
+    for found, report in sampled(simulated(case), Energy("energy")):
+        if report is not None:
+            yield report.works, found["energy"][2] - before
+        before = found["energy"][2]
 
 
 def free():

@@ -5,12 +5,13 @@ lid is parallel, u(y, t), and its flux is zero: the pressure gradient along x is
 over about a fourth of the height.
 """
 
+from itertools import takewhile
+
 import numpy as np
 
 from parisph import Box, Case, Fluid, Lid, Numerics, Tank, VelocityProfile
 from parisph.base.fields import WALL
-from parisph.watch import instruments
-from tests.scenes import simulated
+from tests.scenes import sampled, simulated
 
 LONG = 3.0      # length of a tank over its height
 
@@ -43,8 +44,7 @@ def run(case, prepare=None):
 
 def middle(s):
     """Return u (21,) [m/s] at the mid-section, y = 0, .05, ..., 1."""
-    found = instruments.sample_all(instruments.build(s.case, s.comm), s.particles, s.domain, s.time)
-    return np.reshape(found["middle"], (-1, 3))[:, 0]
+    return np.reshape(next(sampled(s))[0]["middle"], (-1, 3))[:, 0]
 
 
 def soften_lid(s):
@@ -168,11 +168,8 @@ def decay(case, until, probe, frequencies, after=0.0, prepare=None):
     s = simulated(case)
     if prepare:
         prepare(s)
-    gauge, found = instruments.build(case, s.comm)[:1], []
-    while s.time < until:
-        s.advance()
-        found.append((s.time, instruments.sample_all(gauge, s.particles, s.domain, s.time)[probe][0]))
-    t, y = np.transpose(found)
+    seen = takewhile(lambda _: s.time < until, sampled(s, case.probes[0]))
+    t, y = np.transpose([(s.time, found[probe][0]) for found, _ in seen])
     return damped_wave(t[t > after], y[t > after], (0.0, 0.5), frequencies)
 
 

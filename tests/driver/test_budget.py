@@ -5,47 +5,29 @@ import json
 import numpy as np
 import pytest
 
-from parisph import Box, Case, Energy, Fluid, Numerics, Output
+from parisph import Box, Case, Fluid, Numerics, Output
 from parisph.case.schema import Sway
 from parisph.case.stored import from_json, to_json
 from parisph.io import reader, series
-from parisph.watch import instruments
-from tests.scenes import on_ranks, ran, restart_alone, run_alone, scene, simulated
+from tests.scenes import budget, on_ranks, ran, restart_alone, run_alone, scene, simulated
 
 CAUSES = ("pressure", "film", "filter", "collisions", "guard", "projection", "parting", "shift")
 COLUMNS = [f"work_{cause}" for cause in CAUSES]
 SELDOM = ("work_parting", "work_film")    # in a flow without jets of single particles or slow films
 
 
-def steps_of(case):
-    """Yield the works of each step of a run, and the gain of energy by the probe [J/m]."""
-    simulation = simulated(case)
-    sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
-
-    def energy():
-        found = instruments.sample_all([sampler], simulation.particles, simulation.domain, simulation.time)
-        return found["energy"][2]
-
-    before = energy()
-    while not simulation.finished():
-        works = simulation.advance().works
-        after = energy()
-        yield works, after - before
-        before = after
-
-
 def test_works_add_up_to_the_change_of_energy():
     """Before, in and after the impact; also in a tank that moves, whose own acceleration has no potential."""
     start = 2455.0
     most = dict.fromkeys(COLUMNS, 0.0)
-    for works, gain in steps_of(scene("dam_break", spacing=0.05, jitter=0.4, end_time=1.9, budget=True)):
+    for works, gain in budget(scene("dam_break", spacing=0.05, jitter=0.4, end_time=1.9, budget=True)):
         assert sum(works.values()) == pytest.approx(gain, abs=1e-12 * start)
         most = {name: max(value, abs(works[name])) for name, value in most.items()}
     assert list(works) == COLUMNS
     assert min(value for name, value in most.items() if name not in SELDOM) > 1e-6 * start
     shaken = scene("dam_break", spacing=0.1, end_time=0.3, budget=True)
     shaken = shaken.changed(frame=Sway(amplitude=0.05, frequency=10.0))
-    gained = [(sum(works.values()), gain) for works, gain in steps_of(shaken)]
+    gained = [(sum(works.values()), gain) for works, gain in budget(shaken)]
     np.testing.assert_allclose(*zip(*gained), rtol=0, atol=1e-12 * start)
 
 
@@ -53,7 +35,7 @@ def test_free_fall_does_no_work():
     """The step keeps the energy of a parabola: kinetic and potential energy only change places."""
     case = Case(title="fall", fluid=Fluid(Box(1.0, 1.0), density=1000.0, velocity=(1.0, 2.0)), gravity=(0.0, -9.81),
                 numerics=Numerics(spacing=0.1, time_step=0.01, jitter=0.4), output=Output(budget=True), end_time=0.2)
-    for works, gain in steps_of(case):
+    for works, gain in budget(case):
         np.testing.assert_allclose(list(works.values()), 0.0, atol=1e-7)     # of 2,500 J/m; the solver's tolerance
         assert abs(gain) < 1e-7
 

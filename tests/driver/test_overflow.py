@@ -11,7 +11,7 @@ from parisph.driver import wall_penetration
 from parisph.geometry.rims import rims_of
 from parisph.io import reader
 from tests.running import last_checkpoint
-from tests.scenes import assert_same, on_ranks, simulated, water
+from tests.scenes import assert_same, at_end, on_ranks, simulated, water
 
 
 def pouring(end_time=0.2, **output):
@@ -66,13 +66,10 @@ def test_a_loss_through_a_wall_or_of_all_water_is_an_error(which, at, says):
 def test_water_flows_over_the_rim():
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
     case = water((1.0, 0.5), (1.0, 0.5), 0.05, gravity=(2.0, -9.6), end_time=1.5)
-    s = simulated(case)
-    p = s.particles
-    volume = p.volume.sum()
-    while not s.finished():
-        s.advance()
+    volume = simulated(case).particles.volume.sum()
+    s = at_end(case)
     assert s.left.volume == pytest.approx(0.053, rel=0.3), "as with a quarter of the spacing"
-    assert p.volume.sum() + s.left.volume == pytest.approx(volume, rel=1e-12)
+    assert s.particles.volume.sum() + s.left.volume == pytest.approx(volume, rel=1e-12)
 
 
 # one launch: first two ranks beside one alone, then all three, and one that goes on

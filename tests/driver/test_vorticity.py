@@ -9,7 +9,7 @@ from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, StandingWav
 from parisph.base.fields import FLUID
 from parisph.io import reader
 from parisph.kernels import strain
-from tests.scenes import ran, run_alone, scene, simulated, water
+from tests.scenes import at_end, ran, run_alone, scene, simulated, water
 
 ASKED = ("u", "p", "role", "vorticity")
 
@@ -33,10 +33,8 @@ def test_an_irrotational_wave_has_none_beside_walls(spacing, step):
     Measured .0005 to .0006, of a velocity gradient of .04. The velocities of the run stay as they are.
     """
     wave = StandingWave(amplitude=0.01, depth=0.5, length=2.0, phase=pi / 2)
-    simulation = simulated(water((1.0, 0.5), (1.0, 0.8), dict(spacing=spacing, time_step=step), wave=wave,
-                                 output=Output(fields=ASKED), end_time=0.56))
-    while not simulation.finished():
-        simulation.advance()
+    simulation = at_end(water((1.0, 0.5), (1.0, 0.8), dict(spacing=spacing, time_step=step), wave=wave,
+                              output=Output(fields=ASKED), end_time=0.56))
     p = simulation.particles
     before = p.u.copy()
     simulation.complete(ASKED)

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from parisph import Airy, Energy, Output, Relaxation, Sponge, SurfaceGauge
+from parisph import Airy, Output, Relaxation, Sponge, SurfaceGauge
 from parisph.truth.reflection import separated
-from parisph.watch import instruments
-from tests.scenes import after_steps, assert_same, simulated, water
+from tests.scenes import after_steps, assert_same, budget, sampled, simulated, water
 
 G, DEPTH, HEIGHT = 9.81, 0.5, 0.02
 PERIOD = Airy(height=HEIGHT, period=1.2, depth=DEPTH).period
@@ -26,13 +25,10 @@ def tank(sponge, spacing=0.0625, periods=12.0, **values):
 
 def waves(case):
     """Return the incident and reflected waves over the last three periods."""
-    simulation = simulated(case)
-    samplers, times, heights = instruments.build(case, simulation.comm), [], []
-    while not simulation.finished():
-        simulation.advance()
+    simulation, times, heights = simulated(case), [], []
+    for found, _ in sampled(simulation):
         times.append(simulation.time)
         if simulation.time > case.end_time - 3.0 * PERIOD:
-            found = instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
             heights.append([found[probe.name][0] for probe in case.probes])
     return separated(times[-len(heights):], np.transpose(heights), [probe.at for probe in case.probes], PERIOD, WAVE.k)
 
@@ -53,22 +49,9 @@ def test_water_at_rest_stays_at_rest_in_an_uneven_zone():
 
 
 def test_the_budget_knows_what_zones_take_and_give():
-    case = tank(1.0, periods=2.0)
-    case = case.changed(probes=[Energy("energy")], **{"numerics.rtol": 1e-12})
-    simulation = simulated(case)
-    sampler, = instruments.build(case, simulation.comm)
-
-    def energy():
-        found = instruments.sample_all([sampler], simulation.particles, simulation.domain, simulation.time)
-        return found["energy"][2]
-
-    first, total, pressure, zones = energy(), 0.0, 0.0, 0.0
-    while not simulation.finished():
-        works = simulation.advance().works
-        total += sum(works.values())
-        zones, pressure = zones + works["work_absorb"], pressure + works["work_pressure"]
-    gain = energy() - first
-    assert total == pytest.approx(gain, rel=1e-6)
+    works, gains = zip(*budget(tank(1.0, periods=2.0, rtol=1e-12)))
+    assert sum(sum(each.values()) for each in works) == pytest.approx(sum(gains), rel=1e-6)
+    zones, pressure = (sum(each[name] for each in works) for name in ("work_absorb", "work_pressure"))
     # the waves have their energy from the zone; the rest is of first order in the spacing: 16, 11 and 5 %
     assert zones > 0.0 and abs(pressure) < 0.14 * zones
 

@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Energy, Fluid, Friction, Lid, Numerics, Output, Tank, open_run
+from parisph import Box, Case, Fluid, Friction, Lid, Numerics, Output, Tank, open_run
 from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater
 from parisph.case.stored import from_json, to_json
 from parisph.driver.preview import describe
 from parisph.io import checkpoint
 from parisph.kernels.wall_law import wall_stress
-from parisph.watch import instruments
 from tests import moving_tanks, solid_scenes
-from tests.scenes import after_steps, assert_same, restart_alone, run_alone, scene, simulated, water
+from tests.scenes import after_steps, assert_same, at_end, budget, restart_alone, run_alone, scene, simulated, water
 
 SLOW = Friction(viscosity=1e-3)    # much more than water has, so that a short run shows it
 
@@ -24,19 +23,9 @@ def falling(friction=SLOW, spacing=0.05, end_time=1.9, **numerics):
 
 
 def test_the_budget_knows_what_friction_takes():
-    case = falling()
-    simulation = simulated(case)
-    sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
-
-    def energy():
-        found = instruments.sample_all([sampler], simulation.particles, simulation.domain, simulation.time)
-        return found["energy"][2]
-
-    before, taken = energy(), []
-    while not simulation.finished():
-        works, after = simulation.advance().works, energy()
-        assert sum(works.values()) == pytest.approx(after - before, abs=1e-8)
-        before = after
+    taken = []
+    for works, gain in budget(falling()):
+        assert sum(works.values()) == pytest.approx(gain, abs=1e-8)
         taken.append(works["work_friction"])
     assert max(taken) <= 0.0 and sum(taken) < -10.0
 
@@ -44,10 +33,7 @@ def test_the_budget_knows_what_friction_takes():
 def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows():
     fronts = []
     for friction in (None, Friction(), SLOW):
-        simulation = simulated(falling(friction, end_time=1.3))
-        while not simulation.finished():
-            simulation.advance()
-        p = simulation.particles
+        p = at_end(falling(friction, end_time=1.3)).particles
         fronts.append(p.x[p.kind == FLUID, 0].max())
     assert fronts[0] - fronts[1] > 0.005 and fronts[1] - fronts[2] > 0.02
 

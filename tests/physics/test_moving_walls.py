@@ -7,9 +7,8 @@ from mpi4py import MPI
 from parisph import Box, Obstacle, Roll, StillWater, Sway, Tank
 from parisph.base.fields import FLUID
 from parisph.io import checkpoint
-from parisph.watch import instruments
 from tests import moving_tanks
-from tests.scenes import scene, simulated, water
+from tests.scenes import sampled, scene, simulated, water
 
 G, DEPTH = 9.81, 0.4
 
@@ -68,12 +67,8 @@ def test_violent_motion_until_the_impact_by_walls_and_by_the_frame():
 def test_piston_makes_a_solitary_wave():
     """The crest after six depths, a/d = 0.2, s = d/16: its height to 1 %, its time to that of a tenth of the depth."""
     case = scene("solitary_piston", length=3.0, end_time=2.7)
-    simulation, gauge, rows = simulated(case), case.probes[0], []
-    samplers = instruments.build(case, simulation.comm)[:1]
-    while not simulation.finished():
-        simulation.advance()
-        rows.append((simulation.time, *instruments.sample_all(samplers, simulation.particles, simulation.domain,
-                                                              simulation.time)[gauge.name]))
+    simulation, gauge = simulated(case), case.probes[0]
+    rows = [(simulation.time, *found[gauge.name]) for found, _ in sampled(simulation, gauge)]
     (time, level), wave = np.transpose(rows), gauge.truth.of
     d, height = gauge.truth.level, wave.height
     assert gauge.at == 6.0 * d and abs(level.max() - d - height) < 0.01 * height

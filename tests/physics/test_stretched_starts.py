@@ -7,8 +7,7 @@ from parisph import Box, Case, Energy, Fluid, Numerics, SolitaryWave, StandingWa
 from parisph.base.fields import FLUID, INNER, SURFACE
 from parisph.case.waves import angular_frequency
 from parisph.io import reader
-from parisph.watch import instruments
-from tests.scenes import run_alone, simulated, water
+from tests.scenes import run_alone, sampled, simulated, water
 
 G, D, LENGTH = 9.81, 1.0, 14.0
 RUN_UP = 0.42411823    # in depths, of a wave of .2 depths on a vertical wall: exact, by a spectral method of high order
@@ -41,16 +40,10 @@ def test_no_density_is_missing_at_the_start(shape):
 
 def test_a_stretched_wave_runs_up_a_wall():
     """With cells of one size as the aim, it keeps half of its height: .24 depths."""
-    case = wave(Box(width=LENGTH, height=D))
-    s = simulated(case)
-    gauge = instruments.build(case.model_copy(update={"probes": (SurfaceGauge("wall", at=LENGTH),)}), s.comm)
+    s = simulated(wave(Box(width=LENGTH, height=D)))
     s.solve_start()
-    highest = 0.0
-    while not s.finished():
-        s.advance()
-        found = instruments.sample_all(gauge, s.particles, s.domain, s.time)
-        highest = max(highest, found["wall"][0] - D)
-    assert highest == pytest.approx(RUN_UP * D, rel=0.05)
+    highest = max(found["wall"][0] for found, _ in sampled(s, SurfaceGauge("wall", at=LENGTH)))
+    assert highest - D == pytest.approx(RUN_UP * D, rel=0.05)
 
 
 def test_a_standing_wave_at_its_highest_gains_nothing(tmp_path):

@@ -8,7 +8,7 @@ from parisph.base.fields import ABSENT, FLUID
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.motion import Roll
 from tests import viscous_flows as flows
-from tests.scenes import simulated
+from tests.scenes import at_end, simulated
 
 G, NU = 9.81, 0.01
 
@@ -69,9 +69,7 @@ def test_a_cylinder_that_turns_takes_the_water_with_it():
     for spacing in (0.1, 0.05):
         body = Obstacle(Disc(A, at=tuple(CENTRE.tolist())), slip="none", motion=ROLL)
         case = scene((Tank(2.0, 2.0), body), Fluid(StillWater(1.8), density=1000.0, viscosity=0.02), spacing)
-        s = simulated(case.changed(end_time=1.0))
-        while not s.finished():
-            s.advance()
+        s = at_end(case.changed(end_time=1.0))
         x, u = (values[s.particles.kind == FLUID] for values in (s.particles.x - CENTRE, s.particles.u))
         r = np.linalg.norm(x, axis=1)
         found, near = (x[:, 0] * u[:, 1] - x[:, 1] * u[:, 0]) / r, r < 0.6

@@ -12,7 +12,7 @@ from parisph.geometry.mesh import CONVEX
 from parisph.geometry.movers import MovedNodes
 from parisph.methods.rigid_bodies import PressureLoad, node_pressures
 from parisph.watch.instruments import build, sample_all
-from tests.scenes import simulated, water
+from tests.scenes import at_start, simulated, water
 from tests.watched import DENSITY, G, Watch
 
 LEVEL, GRADIENT = 0.8, np.array([20.0, -50.0])
@@ -90,11 +90,8 @@ def test_taps_beside_the_foot_of_a_wavemaker_have_the_pressure_there():
     """Nodes at the foot and behind it are dry: at two spacings from it taps showed a tenth too little."""
     heights = (0.02, 0.05, 0.1)
     taps = [*(PressureTap(f"y{y}", at=(0.0, y)) for y in heights), PressureTap("bed", at=(0.1, 0.0))]
-    case = scene(taps, Tank(1.5, 1.0, at=(-0.3, 0.0)), Piston(0.0, motion=Sway(amplitude=1e-9, frequency=1.0)),
-                 tank=False, rtol=1e-12)
-    simulation = simulated(case)
-    simulation.solve_start()
-    found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
+    maker = Piston(0.0, motion=Sway(amplitude=1e-9, frequency=1.0))
+    found = at_start(scene(taps, Tank(1.5, 1.0, at=(-0.3, 0.0)), maker, tank=False, rtol=1e-12))
     due = [*(DENSITY * G * (LEVEL - y) for y in heights), DENSITY * G * LEVEL]
     assert [value for value, in found.values()] == pytest.approx(due, rel=1e-9)
 
@@ -108,10 +105,7 @@ def test_bodies_and_sides_of_the_tank_add_up_to_the_weight_of_the_water():
     """As it is solved, on packed particles around a box that stands on the bed and a disc."""
     bodies = Obstacle(Box(0.3, 0.2, at=(0.1, 0.0)), name="sill"), Obstacle(Disc(0.15, at=(0.8, 0.4)), name="buoy")
     probes = [Force("sill", on="sill"), Force("buoy", on="buoy"), Force("tank"), Force("right", side="right")]
-    case = scene(probes, *bodies, rtol=1e-12)
-    simulation = simulated(case)
-    simulation.solve_start()
-    found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
+    found = at_start(scene(probes, *bodies, rtol=1e-12))
     weight = DENSITY * G
     assert found["sill"][:2] == (pytest.approx(0.0, abs=1e-6 * weight), pytest.approx(-0.3 * 0.6 * weight, rel=1e-9))
     assert found["buoy"][1] == pytest.approx(np.pi * 0.15**2 * weight, rel=0.02)    # of a polygon of 19 sides

@@ -48,24 +48,14 @@ def test_density_error_is_clipped(dim):
 
 
 @dims
-def test_density_error_near_the_surface_is_one_sided(dim):
-    pool = tank((9, 9) if dim == 2 else (6, 6, 8))
-    top, inner = pool.top[-1], pool.role == INNER
-    near = inner & (pool.index[:, -1] > top - REACH)
-    thin, thick = error(pool, np.full(pool.n, 0.96)), error(pool, np.full(pool.n, 1.04))
-    np.testing.assert_allclose(thin[near], 0.0)
-    np.testing.assert_allclose(thin[inner & ~near], -0.04, rtol=1e-12)
-    np.testing.assert_allclose(thick[inner], 0.04, rtol=1e-12)
-    assert np.all(thin[~inner] == 0.0) and np.all(thick[~inner] == 0.0)
-
-
-@dims
 def test_near_the_surface_only_what_exceeds_the_doubt_is_compression(dim):
     pool = tank((9, 9) if dim == 2 else (6, 6, 8))
     inner = pool.role == INNER
     near = inner & (pool.index[:, -1] > pool.top[-1] - REACH)
-    for alpha, expected in ((0.96, 0.0), (1.02, 0.0), (1.05, 0.02), (1.7, 0.07)):
-        e = error(pool, np.full(pool.n, alpha), doubt=0.03)
+    for alpha, doubt, expected in ((0.96, 0.03, 0.0), (1.02, 0.03, 0.0), (1.05, 0.03, 0.02), (1.7, 0.03, 0.07),
+                                   (0.96, 0.0, 0.0), (1.04, 0.0, 0.04)):
+        e = error(pool, np.full(pool.n, alpha), doubt=doubt)
+        assert np.all(e[~inner] == 0.0)
         np.testing.assert_allclose(e[near], expected, atol=1e-12)
         np.testing.assert_allclose(e[inner & ~near], np.clip(alpha - 1.0, -LIMIT, LIMIT), rtol=1e-12)
 

@@ -13,8 +13,7 @@ from parisph.case.motion import Roll, Sway
 from parisph.case.schema import Case, Fluid, Numerics
 from parisph.case.shapes import Box, Disc, Tank
 from parisph.geometry import scene_checks
-from parisph.watch.instruments import build, sample_all
-from tests.scenes import simulated
+from tests.scenes import at_start
 from tests.watched import DENSITY, G, Watch
 
 S, LEVEL = 0.05, 0.6
@@ -140,8 +139,6 @@ def test_places_that_no_fluid_comes_to_are_refused(walls, probe, words):
     ((TANK, MAKER), 0.9),
 ])
 def test_current_volumes_end_at_walls_of_any_shape(walls, area):
-    simulation = simulated(scene(walls, [Energy("e", current=True)]))
-    simulation.solve_start()
-    found = sample_all(build(simulation.case, simulation.comm), simulation.particles, simulation.domain, 0.0)["e"]
+    found = at_start(scene(walls, [Energy("e", current=True)]))["e"]
     assert found[6] == pytest.approx(area, rel=6e-3)
     assert found[4] == pytest.approx(found[1], rel=1.5e-2)

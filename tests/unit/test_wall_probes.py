@@ -8,9 +8,9 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE
 from parisph.case.stored import from_json, to_json
 from parisph.geometry import scene_checks
-from parisph.watch.instruments import build, sample_all
+from parisph.watch.instruments import sample_all
 from parisph.watch.probes.pressure_tap import disc_mean
-from tests.scenes import simulated
+from tests.scenes import at_start
 from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S, DEPTH = 0.05, 0.5
@@ -81,10 +81,7 @@ def test_hydrostatic_force_on_a_wall(side, sign):
 def test_the_force_of_water_at_rest_as_it_is_solved(preset):
     """On disordered particles."""
     probes = [Force("wall", side="right"), Force("bed", side="bed"), PressureTap("disc", at=(0.0, 0.2), diameter=0.1)]
-    case = scene(probes, jitter=0.4).changed(**{"numerics.preset": preset, "numerics.rtol": 1e-12})
-    simulation = simulated(case)
-    simulation.solve_start()
-    found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
+    found = at_start(scene(probes, jitter=0.4).changed(**{"numerics.preset": preset, "numerics.rtol": 1e-12}))
     assert found["wall"][0] == pytest.approx(0.5 * DENSITY * G * DEPTH**2, rel=1e-9)
     assert found["bed"][1] == pytest.approx(-DENSITY * G * DEPTH, rel=1e-9)
     assert found["disc"][0] == pytest.approx(DENSITY * G * 0.3, rel=1e-9)
