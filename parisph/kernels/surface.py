@@ -18,7 +18,6 @@ from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import nearest_point
 
 SECTORS = 16  # of the circle, in the quick test for a gap
-FEW = 4       # tuned 2 to 8: number of neighbours below which a particle is on the surface; judged
 
 
 @kernel
@@ -79,9 +78,8 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
                    gap: Gap) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
-    A particle with fewer than FEW neighbours within the radius is always on the surface. An element that is present
-    counts as the particle's reflection in it: in the direction of its nearest point, twice as far away. ABSENT
-    particles do not count.
+    An element that is present counts as the particle's reflection in it: in the direction of its nearest point, twice
+    as far away. ABSENT particles do not count.
 
     role : output for owned fluid; was : role at the previous step (owned and ghost); alpha : (n_owned,)
     """
@@ -96,8 +94,7 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
             role[i] = SURFACE
             continue
         limit = gap.leave if was[i] == SURFACE or was[i] == BALLISTIC else gap.enter
-        n, bound = _bound_of_gap(i, cloud, radius2)
-        if n >= FEW and bound < limit:
+        if _bound_of_gap(i, cloud, radius2) < limit:
             continue  # most particles need no angles
         n = _angles(angles, i, cloud, radius2)
         for k in range(walls.indptr[i], walls.indptr[i + 1]):
@@ -108,32 +105,31 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls
             if walls.present[e] > 0.0 and 0.0 < 4.0 * (dx * dx + dy * dy) < radius2 and n < len(angles):
                 angles[n] = math.atan2(dy, dx)
                 n += 1
-        if n < FEW or _largest_gap(angles, n) > limit:
+        if _largest_gap(angles, n) > limit:
             role[i] = SURFACE
 
 
 @inlined
 def _bound_of_gap(i, cloud, radius2):
-    """Return the number of neighbours, and an upper bound of the gaps between them [rad].
+    """Return an upper bound of the gaps between neighbours [rad].
 
     A gap consists of empty consecutive sectors and at most the sectors at its ends. The code has no branches, because
     the sector of a neighbour is unpredictable.
     """
     x, kind = cloud.x, cloud.kind
-    n, occupied, cx, cy = 0, 0, x[i, 0], x[i, 1]
+    occupied, cx, cy = 0, x[i, 0], x[i, 1]
     for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
         j = np.uint32(cloud.indices[k])
         dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy
         near = (0.0 < r2) & (r2 < radius2) & (kind[j] != ABSENT)  # a coincident one has no direction
-        n += near
         occupied |= near << _sector(dx, dy)
     empty = ((1 << 2 * SECTORS) - 1) & ~(occupied | occupied << SECTORS)  # twice around
     longest = 0
     while empty:
         empty &= empty >> 1  # remaining bits have one more empty sector behind them
         longest += 1
-    return n, (longest + 2) * (2.0 * math.pi / SECTORS)
+    return (longest + 2) * (2.0 * math.pi / SECTORS)
 
 
 @inlined

@@ -165,9 +165,7 @@ def test_eight_neighbours_all_around_with_a_right_angle_free():
     assert first(pool, SURFACE, leave=1.56) == INNER
 
 
-def test_fewer_than_four_neighbours_lie_on_the_surface():
-    assert first(around(0, 120, 240)) == SURFACE
-    assert first(around(0, 90, 180, 270)) == INNER
+def test_only_neighbours_within_the_radius_close_the_gap():
     assert first(around(0, 90, 180, 270, distance=1.99)) == INNER
     assert first(around(0, 90, 180, 270, distance=2.01)) == SURFACE
 
