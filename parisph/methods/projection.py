@@ -28,10 +28,6 @@ from parisph.pressure.solver import PressureSolver, SolveRecord
 
 FEW = 10             # largest group of particles without a surface that gets no equation
 BODIES = 4           # most bodies of fluid without a surface that get one
-# Fluid comes to a wall in layers, a spacing apart instead of the .3 spacings of the resolved time (`timestep`). P2 of
-# the dam break at H/s = 40, three starts: errors of .057 and .056 with adaptive steps and half of them; .061 and .058
-# with 1, .057 and .057 with 4.
-AT_WALLS = 2.0       # tuned 1 to 4: distance of the knots of mean pressures on walls over the resolved time; measured
 ROUNDING = 1e-3      # spacings within which two particles have the same height
 Matrix = tuple[Ints, Ints, Floats]    # CSR
 Equation = tuple[Matrix, Floats, int]    # the matrix, the right-hand side, and the number of isolated particles
@@ -397,13 +393,17 @@ class Projection:
 
         A step of usual length has its own mean. A step shortened to meet a time may share one.
 
+        It is twice `pressure_mean`, as fluid comes to a wall in layers, a spacing apart instead of the .3 spacings of
+        the resolved time (`timestep`). P2 of the dam break at H/s = 40, three starts: errors of .057 and .056 with
+        adaptive steps and half of them; .061 and .058 with 1 instead of 2, .057 and .057 with 4.
+
         acceleration : mean acceleration of fluid by pressure in this step, on all ranks [m/s^2]
         """
         flow = self.flow
         p, mean = flow.particles, flow.numerics.pressure_mean
         time = mean * resolved_time(p.comm, p, flow.spacing, flow.step.force[:p.n_owned], acceleration,
                                     flow.walls.acceleration(flow)) if mean else 0.0
-        return max(AT_WALLS * time, SHORT * flow.step.usual)
+        return max(2.0 * time, SHORT * flow.step.usual)
 
     def pressure_gradient(self, f: Floats, slope: Floats | None = None,
                           laplacian: Floats | None = None) -> Floats:

@@ -10,8 +10,9 @@ from parisph.parallel.particles import Particles
 
 SHARE = 1.0 / 12.0    # part of dt^2 a by which a kick is evaluated ahead for a frequency of fourth order
 FADES = 0.75          # tuned 0.375 to 0.95: step over sqrt(s/g) beyond which the share falls, as power -4; judged
-# A shorter step has no stored acceleration and no own mean of pressures on walls.
-SHORT = 0.5           # tuned 0.25 to 1: part of the usual step below which a step is short; judged
+# A shorter step has no stored acceleration and no own mean of pressures on walls. Steps that share the time to the end
+# (driver.schedule) are longer than half the usual one, so only the very last can be shorter.
+SHORT = 0.5           # part of the usual step
 
 
 @dataclass(frozen=True)

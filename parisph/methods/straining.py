@@ -17,7 +17,7 @@ DOUBT = 0.02   # tuned 0.01 to 0.04: density error near the surface that is diso
 RAPID = 0.15   # tuned 0.075 to 0.3: rate of strain, over sqrt(a/s), at which flow is half rapid; judged
 REST = 0.005   # tuned 0.0025 to 0.01: rate of strain, over sqrt(a/s), of fluid nearly at rest; judged
 MEMORY = 20.0  # tuned 10 to 40: memory of the mean acceleration over sqrt(s/a), longer than an impact; judged
-WHOLE = 0.02   # tuned 0.01 to 0.04: step over sqrt(s/a) that may regularise with full strength; judged
+WHOLE = 0.02   # tuned 0.01 to 0.04: time over sqrt(s/a) that particles resolve, a step of full regularisation; judged
 
 FIELDS = ("grad_u", "strain_rate")
 

@@ -13,6 +13,7 @@ from parisph.case.numerics import ResolvedNumerics
 from parisph.kernels import record
 from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
+from parisph.methods.straining import WHOLE
 from parisph.parallel.particles import Particles
 
 GROWTH = 1.1    # tuned 1.05 to 1.2: largest ratio of successive steps; judged
@@ -22,7 +23,6 @@ WAVE_MOVE = 0.02    # tuned 0.01 to 0.04: the same in waves without a force; jud
 GENTLE = 0.1    # tuned 0.05 to 0.2: part of the longest move by acceleration in the first step; judged
 REST = 9.81     # [m/s^2], gravity on earth, which sets the first step of fluid at rest without forces
 TOLD_MOVE = 0.3       # tuned 0.15 to 0.6: move in spacings in the shortest time that particles resolve; judged
-TOLD_FALL = 0.025     # tuned 0.0125 to 0.05: shortest time that particles resolve over sqrt(s/a); judged
 
 
 def next_step(flow: Flow, gravity: float, previous: float | None = None, shortest: float = 0.0,
@@ -119,7 +119,7 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: F
                   walls: Floats | None = None) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
-    It is the time in which the fastest particle moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), where a is the
+    It is the time in which the fastest particle moves TOLD_MOVE spacings, at most WHOLE sqrt(s/a), where a is the
     largest of the body force, of the acceleration by pressure and of that of walls; 0 if nothing moves or pulls. Over
     shorter times, pressure consists of the pulses of single particles that come to a wall or to the surface.
 
@@ -134,7 +134,7 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: F
         strongest = max(strongest, float(sizes(walls).max(initial=0.0)))
     fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), strongest)
     strongest = max(strongest, acceleration)
-    rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
+    rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / WHOLE)
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
 

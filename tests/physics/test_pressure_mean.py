@@ -8,7 +8,8 @@ from parisph.base.fields import FLUID
 from parisph.case.bodies import Obstacle, StillWater
 from parisph.case.motion import Sway
 from parisph.io import reader
-from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
+from parisph.methods.straining import WHOLE
+from parisph.methods.timestep import TOLD_MOVE, resolved_time
 from tests.scenes import ran, restart_alone, run_alone, scene, simulated, water
 
 
@@ -18,14 +19,14 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
 
     def told(force, acceleration=0.0, walls=None):
         return resolved_time(p.comm, p, s, np.tile([0.0, force], (p.n_owned, 1)), acceleration, walls)
-    assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
+    assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(WHOLE * np.sqrt(s / 9.81))
     # fluid that nothing pulls, but walls that move
     assert told(0.0, 9.81) == told(-9.81, 2.0) == told(-9.81)
     assert told(0.0, 2.0, np.array([[0.0, 0.0], [9.81, 0.0]])) == told(-9.81)
     one = np.flatnonzero(p.kind == FLUID)[3]
     p.u[one] = (3.0, -4.0)
     assert (told(0.0) == pytest.approx(TOLD_MOVE * s / 5.0)
-            and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81)))
+            and told(-9.81) == pytest.approx(WHOLE * np.sqrt(s / 9.81)))
     p.u[one] = (30.0, -40.0)
     assert told(-9.81) == told(0.0) == pytest.approx(TOLD_MOVE * s / 50.0)
     p.u[one] = np.nan

@@ -34,7 +34,7 @@ class Force(OfPressure):
     step; with method="SPH", the end.
 
     A sample is a mean over neighbouring steps, with weights that decrease linearly to 0 at the means before and after.
-    These are a step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)).
+    These are a step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.02 sqrt(s/a)).
     Here u is the largest speed, and a the largest of the body force, the mean acceleration by pressure and the
     acceleration of walls. Particles do not resolve shorter times. The trapezoidal rule over the samples of all steps
     gives the impulse of the pressure, up to the ends of the run. With method="SPH" a sample is that of one step.
