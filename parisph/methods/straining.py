@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.kernels import strain
 from parisph.methods import lengths
+from parisph.methods.last_waves import WAVES
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -16,7 +17,6 @@ FLOOR = 0.05    # tuned 0.025 to 0.1: floor of the neighbours' moment with a pla
 DOUBT = 0.02   # tuned 0.01 to 0.04: density error near the surface that is disorder in calm fluid; judged
 RAPID = 0.15   # tuned 0.075 to 0.3: rate of strain, over sqrt(a/s), at which flow is half rapid; judged
 REST = 0.005   # tuned 0.0025 to 0.01: rate of strain, over sqrt(a/s), of fluid nearly at rest; judged
-MEMORY = 20.0  # tuned 10 to 40: memory of the mean acceleration over sqrt(s/a), longer than an impact; judged
 WHOLE = 0.02   # tuned 0.01 to 0.04: time over sqrt(s/a) that particles resolve, a step of full regularisation; judged
 
 FIELDS = ("grad_u", "strain_rate")
@@ -94,12 +94,13 @@ def whole(flow: "Flow", dt: float) -> float:
 def remember(flow: "Flow", acceleration: float, dt: float) -> None:
     """Include the mean acceleration [m/s^2] of a step of dt [s] in that of the last steps. Not collective.
 
-    The memory rises at once and falls slowly, so that fluid in free fall between two impacts does not count as calm.
+    The memory rises at once and falls over WAVES sqrt(s/a), longer than an impact, so that fluid in free fall between
+    two impacts does not count as calm.
 
     acceleration : the squared mean of square roots, which impacts of a few particles hardly change
     """
     if acceleration > 0.0:
-        left = 1.0 - min(1.0, dt / (MEMORY * np.sqrt(flow.spacing / acceleration)))
+        left = 1.0 - min(1.0, dt / (WAVES * np.sqrt(flow.spacing / acceleration)))
         flow.mean_acceleration = max(acceleration, left * flow.mean_acceleration)
 
 
