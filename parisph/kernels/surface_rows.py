@@ -14,10 +14,9 @@ from parisph.kernels.smoothing import quartic_weight
 HALF = 0.81     # tuned 0.76 to 0.86: part of a cell up to which a particle lies on the surface; judged
 FULL = 0.86     # tuned 0.81 to 0.99: part of a cell above which a particle represents a full one; judged
 # in spacings
-THIN = 0.3      # tuned 0.15 to 0.6: least distance of the last two layers; judged
 THICK = 1.5     # tuned 1 to 3: largest distance of the last two layers; judged
 FIRST, SECOND = 1.05, 2.3    # coefficients of a parabola for this distance, fitted on lattices (`_layer`)
-LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
+LEAST = 0.63    # tuned 0.58 to 1: least mean depth of the neighbours, about one if orderly; layers .3 apart; judged
 
 
 @kernel
@@ -65,9 +64,8 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
         depth = 0.0
         for a in range(dim):
             depth += (mean[a] / total) ** 2
-        depth = math.sqrt(depth)
+        depth = max(math.sqrt(depth), LEAST * spacing)
         outside *= _layer(depth / spacing)
-        depth = max(depth, LEAST * spacing)
         for k in range(first, first + n):
             values[k] *= outside / ((outside + depth) * total)
         count[i] = n
@@ -91,7 +89,7 @@ def _layer(depth):
     one is within the radius.
     """
     missing = max(1.0 - depth, 0.0)
-    return min(max(max(depth, 1.0) - missing * (FIRST + SECOND * missing), THIN), THICK)
+    return min(max(depth, 1.0) - missing * (FIRST + SECOND * missing), THICK)
 
 
 @inlined

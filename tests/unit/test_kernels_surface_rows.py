@@ -58,7 +58,7 @@ def test_the_offset_has_limits():
     pool, i = flat_surface(2)
     pool.x[:] = pool.x[i] + (pool.x - pool.x[i]) * (4.0, 0.25)
     count, _, values = rows(pool)
-    a, depth = 0.5 * 0.3, 0.5
+    a, depth = 0.5 * (1.0 - 0.37 * (1.05 + 2.3 * 0.37)), 0.63
     assert values[pool.indptr[i]:pool.indptr[i] + count[i]].sum() == pytest.approx(a / (a + depth), rel=1e-12)
 
 
