@@ -30,9 +30,6 @@ NEGATIVE = 0.1  # tuned 0.05 to 0.2: negative weight over the sum, up to which a
 # A row beyond this gave a drop at the lid fourteen times the pressure of all the water.
 UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum, above which a row is dropped; measured
 WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, over that of the weight; judged
-# A row has no Laplacian if it extrapolates, or if its result for a parabola is almost zero.
-COVERED = 0.05  # tuned 0.025 to 0.1: least weight of the neighbours at the points of the circle; judged
-CURVED = 0.1    # tuned 0.05 to 0.2: least result of a row for a parabola, over R^2; judged
 
 
 def directions(dim: int, count: int | None = None) -> np.ndarray:
@@ -130,7 +127,8 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
 def _mean_over_circle(mean, basis, m, circle):
     """Return the means over the circle of neighbours' weights [-] and of their r^2 [m^2], and whether the row is sound.
 
-    It is unsound if its result for a parabola is almost zero, or if it extrapolates from neighbours on one side.
+    It is unsound if it extrapolates from neighbours on one side: their weights, or its result for a parabola, then are
+    not positive, or it has a large negative weight.
     """
     points, total, spread, lowest = len(circle.unit), 0.0, 0.0, 0.0
     for k in range(m):
@@ -139,8 +137,7 @@ def _mean_over_circle(mean, basis, m, circle):
         spread += mean[0, k] * basis[len(basis) - 1, k]
     total /= points
     spread *= circle.radius * circle.radius / points
-    sound = total > COVERED and spread > CURVED * circle.size * circle.size and lowest > -UNSOUND * points * total
-    return total, spread, sound
+    return total, spread, total > 0.0 and spread > 0.0 and lowest > -UNSOUND * points * total
 
 
 @inlined
