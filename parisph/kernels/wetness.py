@@ -12,7 +12,6 @@ from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
 TOUCH = 0.55    # tuned 0.275 to 1: fluid that touches a wall; the guard stops it at half a spacing; judged
-MOVING = 1e-3   # tuned 0.0005 to 0.002: largest move in a step at rest; judged
 BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to fluid in front of it; judged
 # Fluid within LAYER in front of a wall particle covers it.
 FAR = 2.5       # tuned 1.6 to 5: fluid in front of a wall particle that no longer covers it; judged
@@ -66,7 +65,7 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
     Positions alone do not distinguish water at rest one spacing below a lid from water that fills the tank, because
     wall particles replace its neighbours. The history does. A wall particle closes the fluid off if it was wet, if the
     water line reaches it (next to a wet one, with inner fluid within NEARBY), or if fluid hits it: closer than TOUCH at
-    the end of the step, and moving or pulled towards it.
+    the end of the step, and then moving towards it.
 
     A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall beside it,
     as below a lid: it must not repel this fluid. All others are free. Those of a side wall above the water line act on
@@ -98,8 +97,7 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
             if away > 0.0 and r2 - away * away < (BESIDE * spacing) ** 2:
                 opposite = True
                 near |= away < TOUCH * spacing
-                moves = towards * dt > MOVING * spacing or towards + pull * dt > 0.0
-                hit |= moves and away - (towards + max(pull, 0.0) * dt) * dt < TOUCH * spacing
+                hit |= towards + pull * dt > 0.0 and away - (towards + max(pull, 0.0) * dt) * dt < TOUCH * spacing
         facing = opposite and not near and not beside_wet and _covered_on_both_sides(i, closing, APART, cloud)
         closing[i] = APART if facing else FREE
         if role[i] == WET or hit or (beside_wet and beside_inner):
