@@ -16,9 +16,8 @@ from parisph.kernels.records import Cloud
 
 # Fluid this near a wall represents the half cell there; farther away a second layer has room.
 LAYER = 1.5     # tuned 0.75 to 3: spacings from a wall to the end of the first layer; judged
-# For fluid compressed along the wall:
+# For fluid compressed along the wall, which may represent more than all half cells:
 FAR_BEFORE = 2.0    # tuned 1 to 4: spacings to the end of the fluid that represents half cells; judged
-PRESSED = 2.0       # tuned 1 to 4: most half cells that compressed fluid represents; judged
 
 
 @kernel

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 # The solver caps the product at a relative residual of 1e-3 (pressure.solver.LOOSEST), enough for small displacements.
 SLACK = 1e3  # tuned 500 to 2000: tolerance of the position solve over that of the pressure; judged
-CAP = 0.1    # tuned 0.05 to 0.2: longest move of the position projection and of the shift, in spacings; judged
+CAP = 0.1    # tuned 0.05 to 0.2: longest move of the projection, the shift and a sweep, in spacings; judged
 LIMIT = 0.1  # tuned 0.05 to 0.2: largest density error that counts, either way; judged
 # Waves have errors of up to .023 in phase with them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with
 # a = .05 d), and disorder of .4 has .02. With .035 a heaving box raises the level of a flume two to three times as
@@ -27,17 +27,16 @@ NEAR_SURFACE = 2.0    # tuned 1 to 4: distance from the surface within which a s
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN = 0.7    # tuned 0.35 to 1: distance of inner pairs that rotate; judged
-TURN = 0.05     # tuned 0.025 to 0.1: rotating move at the full strength of the shift, in spacings; judged
 # A lattice collapses within a few long steps, at the full strength of the shift.
-TURNS = 3.0     # tuned 1.5 to 6: largest multiple of this move in a step; measured
+TURNS = 3.0     # tuned 1.5 to 6: longest rotating move over that at the full strength of the shift; measured
+TURN = CAP / TURNS
 PART_WITHIN = 0.6    # tuned 0.3 to 1: distance of pairs without pressure that separate; judged
 PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which they separate; judged
 CLOSE = max(TURN_WITHIN, PART_WITHIN)
 APART = 0.45    # tuned 0.225 to 0.9: least distance of all pairs; judged
 SWEEPS = 8      # tuned 4 to 16: most sweeps that separate pairs; judged
-SWEEP = 0.15    # tuned 0.075 to 0.3: longest move in one of these sweeps; judged
 # Distance of the pairs in the sweeps. Those farther apart, or coincident, are left to the next step.
-WATCHED = APART + 3.0 * SWEEP
+WATCHED = APART + 3.0 * CAP
 
 
 class PositionProjection(Regulariser):
@@ -112,7 +111,7 @@ def voids(flow: "Flow") -> Floats:
     p, d = flow.particles, flow.domain
     error = p.alpha.copy()    # minus the surplus at walls
     if flow.open:    # here `lack` is the represented part of half cells
-        halves.wall_share(p.lack, flow.cloud, flow.cells, halves.PRESSED, halves.FAR_BEFORE)
+        halves.wall_share(p.lack, flow.cloud, flow.cells, np.inf, halves.FAR_BEFORE)
         d.update("lack")
         pressed = np.empty_like(error)
         flow.walls.surplus(pressed, np.empty_like(p.x), p.lack_all, flow)
@@ -208,7 +207,7 @@ class KeepApart(Limiter):
         move, near = np.zeros_like(p.x), np.arange(p.n_owned, dtype=np.int32)
         for _ in range(SWEEPS):
             flow.fresh("x")
-            crowded, left = pairs.keep_apart(move, near, watched, p.id_all, APART * flow.spacing, SWEEP * flow.spacing)
+            crowded, left = pairs.keep_apart(move, near, watched, p.id_all, APART * flow.spacing, CAP * flow.spacing)
             if not sums(p.comm, crowded)[0]:
                 break
             near = near[:left]
