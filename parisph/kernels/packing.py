@@ -20,7 +20,7 @@ STEPS = 100       # tuned 50 to 200: steps of the packing; judged
 STRENGTH = 0.3    # tuned 0.15 to 0.6: strength of a shift of the packing, in h^2; judged
 # Lengths in spacings.
 CAP = 0.1         # tuned 0.05 to 0.2: longest shift of the packing, in spacings; judged
-GUARD = 0.5       # tuned 0.25 to 1: least distance of fluid from a wall, in spacings; judged
+GUARD = 0.5       # least distance of fluid from a wall: half a cell
 LEVEL = 2.1       # tuned 1.05 to 4.2: distance from the surface within which moves are level, to keep it flat; judged
 FLAT = 0.5        # tuned 0.25 to 1: rise of the surface within LEVEL above which particles rest; judged
 
