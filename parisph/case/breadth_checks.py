@@ -93,7 +93,7 @@ def _narrow(case: Scene) -> Iterator[str]:
     s = case.numerics.spacing
     if high - low < LEAST * s * (1.0 - FIT):
         yield (f"breadth = {high - low:g} m: is {(high - low) / s:.2g} spacings, must be at least {LEAST:g}; use a "
-               f"spacing of at most {rounded_down((high - low) / LEAST)}, or compute the scene in 2D, without a breadth")
+               f"spacing of at most {rounded_down((high - low) / LEAST)}, or leave the breadth out for a scene in 2D")
 
 
 def _outside(case: Scene) -> Iterator[str]:

@@ -6,6 +6,7 @@ import time
 import pytest
 
 from parisph import Case, CaseError, ColumnHeight, Energy, Fluid, Numerics, Output, PressureTap, SurfaceGauge
+from parisph.case.bodies import Obstacle, Profile
 from parisph.case.motion import Sway, Tabulated
 from parisph.case.shapes import Box, Disc, Polygon, Tank
 from parisph.case.truths import Truth
@@ -82,7 +83,7 @@ def numerics(**changes):
     (lambda: fluid(velocity=("q", 0.0)), "velocity: unknown name 'q' in 'q'; known are x, y, pi"),
     (lambda: fluid(velocity=("t", 0.0)), "velocity: unknown name 't'"),
     (lambda: fluid(velocity=(math.nan, 0.0)), r"Fluid.velocity\[0\] = nan: must be a finite number"),
-    (lambda: fluid(elevation="y"), "elevation: unknown name 'y'"),
+    (lambda: fluid(elevation="z"), "elevation: unknown name 'z'"),
     (lambda: fluid(shape=Disc(1.0), elevation=0.1), "only a Box or StillWater has a top to raise"),
     # numerics and output
     (lambda: numerics(spacing=0.0), "Numerics.spacing = 0.0: must be greater than 0"),

@@ -58,8 +58,8 @@ def test_a_roll_has_an_amplitude_and_understands_its_angle():
     (lambda: Sway(0.1, 3.0, stroke=0.2, omega=3.0), "give amplitude, half of the stroke; give frequency "
      "[rad/s] or period [s]"),
     (lambda: Box(1.0, 1.0, depth=2.0, breadth=1.0), "Box has no field 'depth'; a Tank(..., breadth=) or "
-     "Profile(..., breadth=) makes a scene 3D, with z up, and other bodies have ends across=(ya, yb); without one it is "
-     "2D, y is up, and forces are per metre of breadth (its fields: width, height, at, breadth)"),
+     "Profile(..., breadth=) makes a scene 3D, with z up, and other bodies have ends across=(ya, yb); without one it "
+     "is 2D, y is up, and forces are per metre of breadth (its fields: width, height, at, breadth)"),
     (lambda: Obstacle(Box(1.0, 1.0), density=500.0, mass=3.0), "Obstacle has no fields 'density', 'mass'; bodies move "
      "only as given, by motion=, and none floats (its fields: shape, name, slip, motion, across)"),
     (lambda: Plain(colour=1, kapa=2, sede=3), "Numerics has no fields 'colour', 'kapa', 'sede'; did you mean 'kappa', "
