@@ -10,7 +10,7 @@ from parisph import Box, Case, CaseError, Fluid, Heave, Numerics, PressureTap, R
 from parisph.case import size
 from parisph.case.absorb import Relaxation
 from parisph.case.bodies import Flap, Obstacle, Piston, Plate, Profile, StillWater
-from parisph.case.breadth_checks import warnings
+from parisph.case.breadth_checks import gaps, warnings
 from parisph.case.expressions import vector_field
 from parisph.case.motion import Moved, Series, Tabulated
 from parisph.case.sections import cuts, in_section, projected, section, sections
@@ -288,7 +288,10 @@ def test_gauges_of_a_2d_scene_are_stored_as_before():
 
 
 def test_a_narrow_gap_across_is_a_warning():
-    case = scene((TANK, across(0.0, 0.4, name="one"), across(0.48, 1.0, name="two", at=1.0)))
+    case = scene((TANK, across(0.0, 0.4, name="one"), across(0.48, 1.0, name="two", at=0.6)))
+    apart = scene((TANK, across(0.0, 0.4, name="one"), across(0.48, 1.0, name="two", at=1.0)))
+    assert warnings(apart) == [], "they do not face each other"
     assert [line.partition(": flow")[0] for line in warnings(case)] == [
-        "walls, one and two: only 0.08 m are between the ends y = 0.4 and 0.48, 1.5 spacings"]
+        "walls, one and two: only 0.08 m are between their ends across, 1.5 spacings"]
+    assert gaps(scene())[0] == (pytest.approx(0.2985), ("box", "the back"))
     assert warnings(scene()) == [] and math.isclose(cuts(scene())[1], 0.2985)
