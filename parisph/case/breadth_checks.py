@@ -25,7 +25,7 @@ def problems(case: Scene) -> list[str]:
     if case.breadth is None:
         return [*_without(case), *_expressions(case)]
     found = [*_breadths(case), *_expressions(case), *_ways(case)]
-    return found or [*_narrow(case), *_outside(case)] or [*_near(case)]
+    return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_fluids(case)]
 
 
 def warnings(case: Scene) -> list[str]:
@@ -143,6 +143,25 @@ def _near(case: Scene) -> Iterator[str]:
             yield (f"walls, {' and '.join(_ending(case, low, high))}: only {high - low:.3g} m are between the ends y = "
                    f"{low:g} and {high:g}, {(high - low) / s:.2g} spacings, and no wall elements fit there; let them "
                    f"end at the same y, or use a spacing of at most {rounded_down((high - low) / TOGETHER)}")
+
+
+def _fluids(case: Scene) -> Iterator[str]:
+    """Bodies of fluid less than a spacing broad, or apart across, so that their particles would be too near."""
+    s, named = case.numerics.spacing, list(fluid_names(case))
+    for number, (name, fluid) in enumerate(named):
+        own = fluid.extent
+        if own is None:
+            continue
+        if own[1] - own[0] < s * (1.0 - FIT):
+            yield (f"{name}.shape: is {own[1] - own[0]:.3g} m broad, {(own[1] - own[0]) / s:.2g} spacings, must be at "
+                   f"least one; use a spacing of at most {rounded_down(own[1] - own[0])}, or make it broader")
+        for title, other in named[:number]:
+            beside = case.extent_of(other) or own
+            gap = max(beside[0] - own[1], own[0] - beside[1])
+            (low, high), (lower, upper) = (map(section_of, case.bounds_of(one)) for one in (fluid, other))
+            if FIT * s < gap < s * (1.0 - FIT) and np.all((low <= upper) & (lower <= high)):
+                yield (f"{name} and {title}: they are {gap:.3g} m apart across, {gap / s:.2g} spacings; let them "
+                       f"touch, leave a spacing between them, {s:g} m, or use a spacing of at most {rounded_down(gap)}")
 
 
 def _ending(case: Scene, low: float, high: float) -> list[str]:

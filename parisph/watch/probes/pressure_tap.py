@@ -96,7 +96,7 @@ class PressureTap(OfPressure):
         before = foot + LIFT * (s * normal + corners[0].mean(axis=0) - foot)    # off the other wall of a corner
         hidden = places.hidden(before[0])
         if apart[0] > TAP * s:
-            near = ", ".join(f"{value:.6g}" for value in foot[0])
+            near = ", ".join(f"{value:.6g}" for value in np.round(foot[0], 12) + 0.0)
             yield f"at = {self.at} is not on a wall; the nearest place on one is ({near}) on {name}"
         elif isinstance(wall, Plate) and self.side is None:
             yield (f'{name} has two sides; give side="left" or side="right", as seen along its points from '
