@@ -39,7 +39,7 @@ def problems(case: Scene) -> list[str]:
         found += [*_inside(case), *_size(case)]
     if not found:
         found += [*_compressible(case), *_forces(case), *_absorbing(case), *_friction(case), *_surface(case),
-                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case), *_outputs(case)]
     if not found:
         found += time_checks.problems(case)
     return found
@@ -256,3 +256,8 @@ def _probes(case: Scene) -> Iterator[str]:
                    f"{case.dim}D")
         else:
             yield from (f"probe {name!r}: {line}" for line in probe.problems(case))
+
+
+def _outputs(case: Scene) -> Iterator[str]:
+    if case.dim != 2 and "vorticity" in case.output.fields:
+        yield "output.fields: 'vorticity' exists in 2D only so far; leave it out of a scene in 3D"
