@@ -138,7 +138,7 @@ class Probe(Measure, Model):
         return iter(())
 
     def drawn(self, heights: tuple[float, float]) -> Optional[Floats]:
-        """Return its place in pictures, a point or those of a line (n, 2) [m], or None.
+        """Return its place in pictures, a point or those of a line (n, 2) [m] in the section, or None.
 
         It is from the fields `at`, or `start` and `end`, or `points`. heights : ends of vertical lines [m]
         """
@@ -147,7 +147,7 @@ class Probe(Measure, Model):
             return np.array([(at, height) for height in heights])
         points = (start, getattr(self, "end", start)) if start is not None else getattr(self, "points", None)
         points = (at,) if at is not None else points
-        return np.array([point[:2] for point in points]) if points else None
+        return np.array([(point[0], point[-1]) for point in points]) if points else None
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """Yield each disturbance of the measurement, and which samples (n,) bool it affects.

@@ -193,6 +193,8 @@ def test_a_case_is_stored_and_read_again():
         case = scene(walls, Fluid(StillWater(0.5), 1000.0))
         assert from_json(to_json(case)) == case
     assert case.changed(**{"numerics.spacing": 0.1}).bodies == case.bodies
+    flat = scene(Tank(3.22, 1.0))
+    assert flat.changed(**{"walls.breadth": 0.5}).breadth == (0.0, 0.5)
 
 
 def test_a_2d_case_has_no_new_field():
@@ -268,6 +270,7 @@ def across(*ends, at=0.5, name="", **others):
                           Fluid(Box(0.5, 0.5, breadth=0.4, at=(0.2, 0.41, 0.0)), 1000.0)]),
      "fluid[1] and fluid[0]: they are 0.01 m apart across, 0.18 spacings; let them touch, leave a spacing between"),
     (lambda: scene(TANK, Fluid(Box(0.5, 0.5, breadth=0.04), 1000.0)), "fluid.shape: is 0.04 m broad, 0.73 spacings"),
+    (lambda: Roll(0.1, 2.0, axis="x"), "Roll has no field 'axis'; a Roll turns the section, in 3D about y; pitch and"),
     (lambda: scene(spacing=2e-6), "of memory; at most 2.1e+09 can be numbered"),
     (lambda: scene(probes=[SurfaceGauge("g", at=(1.0, 0.5))]), "a SurfaceGauge exists in 2D only so far; leave it out"),
     (lambda: scene(probes=[PressureTap("t", at=(0.0, 0.1))]), "probe 't': at = (0.0, 0.1) must have 3 components"),

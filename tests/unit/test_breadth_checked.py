@@ -135,3 +135,14 @@ def test_a_tap_is_on_a_wall_in_3d():
     assert scene_checks.faults(scene(TANK, pier(0.3, 0.7), probes=taps)) == []
     off, = scene_checks.faults(scene(TANK, pier(0.3, 0.7), probes=[PressureTap("off", at=(2.0, 0.5, 0.1))]))
     assert off == "probe 'off': at = (2.0, 0.5, 0.1) is not on a wall; the nearest place on one is (2, 0.5, 0) on tank"
+
+
+def test_the_picture_of_a_case_in_3d_is_its_section(tmp_path):
+    from parisph.pictures.bodies_view import plot_scene
+
+    case = scene(TANK, pier(0.3, 0.7), probes=[VelocityPoint("v", at=(2.0, 0.5, 0.2))])
+    axes, = plot_scene(case, tmp_path / "scene.png").axes
+    assert axes.get_title(loc="left") == "scene: section from y = 0.3 to 0.7 m" and axes.get_ylabel() == "$z$ [m]"
+    dot, = (line for line in axes.lines if line.get_gid() == "v")
+    np.testing.assert_array_equal(dot.get_xydata(), [(2.0, 0.2)])
+    assert {text.get_text() for text in axes.texts} >= {"v", "pier", "tank"}
