@@ -31,7 +31,7 @@ from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
 OURS = "parisph.watch.probes"    # a module for each kind
-LAST = ("acted", "truth", "peak", "arrival", "every")    # fields that follow those of a kind
+LAST = ("acted", "truth", "peak", "arrival", "every", "y")    # fields that follow those of a kind
 WIDTH = 4     # numbers in a row
 DRY = 1e-6    # of the spacing, above the bed: a gauge with less is dry
 
@@ -196,7 +196,8 @@ class Gauge(Probe):
     of_surface: ClassVar[bool] = False
 
     at: float = Field(description="position x [m], in 3D (x, y)")
-    y: Optional[float] = Field(default=None, description="position y [m] across a 3D scene, from at=(x, y)")
+    y: Optional[float] = Field(
+        default=None, kw_only=True, description="position y [m] across a 3D scene, from at=(x, y)")
 
     @model_validator(mode="before")
     @classmethod
