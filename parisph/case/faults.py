@@ -20,11 +20,13 @@ BODIES = ("Obstacle", "Plate", "Profile", "Tank", "Piston", "Flap")
 # Field names of other codes: (classes, names, what parisph has instead)
 MEANT = (
     ((*SHAPES, *BODIES, "Case", "Fluid"), ("depth", "breadth", "thickness", "dim", "z"),
-     "scenes are 2D, x across and y up, and forces are per metre of breadth"),
+     "a Tank(..., breadth=) or Profile(..., breadth=) makes a scene 3D, with z up, and other bodies have ends "
+     "across=(ya, yb); without one it is 2D, y is up, and forces are per metre of breadth"),
     (BODIES, ("density", "mass", "inertia", "moment_of_inertia", "floating", "free", "mooring", "spring"),
      "bodies move only as given, by motion=, and none floats"),
     (BODIES, ("velocity", "speed", "acceleration", "displacement"),
      "bodies move by motion=, such as Sway(...), Heave(...), Roll(...) or Moved(Series(...))"),
+    (("Roll",), ("axis", "yaw", "pitch"), "a Roll turns the section, in 3D about y; pitch and yaw do not exist so far"),
     (("Sway", "Heave", "Roll"), ("omega", "w"), "give frequency [rad/s] or period [s]"),
     (("Sway", "Heave", "Roll"), ("stroke",), "give amplitude, half of the stroke"),
     (("Case",), ("spacing", "preset", "method"), "that is one of numerics=Numerics(...)"),
