@@ -236,8 +236,40 @@ def test_wall_velocity_has_the_walls_normal_part_and_the_fluids_tangential_part(
     n = pool.normal
     along = ((wall_u - flow) * n).sum(axis=1)[:, None] * n + flow
     np.testing.assert_allclose(out[flat], along[flat], atol=1e-12)
-    others = (pool.kind == WALL) & ~flat  # corners, and the contact line: in no stencil
+    planes = ((pool.index == 0) | ((pool.index == pool.top) & (np.arange(dim) < dim - 1))).sum(axis=1)
+    edges = (pool.role == WET) & (planes == 2) & (dim == 3)    # fluid slips along them
+    free_axis = np.abs(n) < 1e-9
+    np.testing.assert_allclose(out[edges], np.where(free_axis, flow, wall_u)[edges], atol=1e-12)
+    assert dim == 2 or edges.sum() > 20
+    others = (pool.kind == WALL) & ~flat & ~edges  # corners, and the contact line: in no stencil
     np.testing.assert_array_equal(out[others], wall_u[others])
+
+
+@pytest.mark.parametrize("degrees", [10.0, 30.0, 90.0, 150.0])
+def test_fluid_slips_along_an_edge_of_any_angle_and_direction(degrees):
+    """A node on a slanting edge, with flat nodes of both walls around it, and with a third wall beside it."""
+    turn = np.radians(degrees)
+    rotation = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    along, first = rotation[0], rotation[1]
+    second = np.cos(turn) * rotation[1] + np.sin(turn) * rotation[2]
+    down = [np.cross(along, first), np.cross(second, along)]    # along each wall, away from the edge
+    nodes = [(0.0 * along, first + second, 1)]
+    for side, normal in zip(down, (first, second)):
+        nodes += [(k * along + side, normal, 0) for k in (-1.0, 0.0, 1.0)]
+    random = np.random.default_rng(3)
+    fluid = random.normal(size=(40, 3))
+    slip = along @ np.array([1.0, 2.0, -3.0])
+    for third in (False, True):
+        wall = nodes + [(0.9 * along, -along, 0)] * third
+        x = np.vstack([[one[0] for one in wall], fluid])
+        pool = free(x)
+        pool.kind[:len(wall)], pool.role[:len(wall)] = WALL, WET
+        pool.normal[:len(wall)] = [one[1] / np.linalg.norm(one[1]) for one in wall]
+        pool.corner[0] = 1
+        wall_u = np.tile([0.3, 0.2, 0.1], (pool.n, 1))
+        out = moved_walls(pool, np.where(pool.fluid[:, None], [1.0, 2.0, -3.0], np.nan), wall_u)
+        due = wall_u[0] + (0.0 if third else slip - wall_u[0] @ along) * along
+        np.testing.assert_allclose(out[0], due, atol=1e-12)
 
 
 @dims
