@@ -21,6 +21,7 @@ TOO_FEW = -1.0      # quality of a moment of fewer than dim + 1 neighbours
 ACROSS = 0.1        # tuned 0.05 to 0.2: damping of the slope of the velocity across a wall; judged
 ALONG = 0.01        # tuned 0.005 to 0.02: damping of that slope along a wall; judged
 BESIDE = 1.6    # tuned 1 to 2.6: spacings from a node on an edge to those of the walls that meet there; judged
+SMOOTH = 1e-3   # sine^2 of half the least turn of an edge (geometry.mesh.SMOOTH), less a margin
 ENDS = 0.3      # tuned 0.15 to 0.6: part of a normal along an edge above which this wall ends it; judged
 SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times its lack of quality; judged
 # In the tip of water on a flat beach the surface is the only layer, up to 1.5 spacings above the bed, and nodes below
@@ -361,8 +362,8 @@ def _extrapolate(u, i, cloud, wall_u, shear, work, radius2):
 def _edge(along, i, cloud):
     """Write the direction of the edge on which node i lies (3D); return False in corners, and if it is unknown.
 
-    An edge's own normal is between those of its walls, so it lies across the edge as they do. The nearest and most
-    different normal of a flat node gives the direction, and none of them may have a greater part along it than ENDS.
+    An edge's own normal is between those of its walls, so it lies across the edge as they do. The nearest flat node with
+    another normal gives the direction, and no normal may have a greater part along it than ENDS.
     """
     nx, ny, nz, best = cloud.normal[i, 0], cloud.normal[i, 1], cloud.normal[i, 2], 0.0
     for search in range(2):
@@ -378,8 +379,8 @@ def _edge(along, i, cloud):
                 continue
             tx, ty, tz = ny * mz - nz * my, nz * mx - nx * mz, nx * my - ny * mx
             size2 = tx * tx + ty * ty + tz * tz
-            if w * size2 > best:
-                best, scale = w * size2, 1.0 / math.sqrt(size2)
+            if w > best and size2 > SMOOTH:
+                best, scale = w, 1.0 / math.sqrt(size2)
                 along[0], along[1], along[2] = tx * scale, ty * scale, tz * scale
         if best == 0.0:
             return False

@@ -260,7 +260,7 @@ def test_fluid_slips_along_an_edge_of_any_angle_and_direction(degrees):
     fluid = random.normal(size=(40, 3))
     slip = along @ np.array([1.0, 2.0, -3.0])
     for third in (False, True):
-        wall = nodes + [(0.9 * along, -along, 0)] * third
+        wall = nodes + [(1.2 * along, -along, 0)] * third
         x = np.vstack([[one[0] for one in wall], fluid])
         pool = free(x)
         pool.kind[:len(wall)], pool.role[:len(wall)] = WALL, WET
