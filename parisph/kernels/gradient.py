@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
+from parisph.kernels.edges import edge_direction
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import invert, pair_weight
@@ -20,9 +21,6 @@ TOO_FEW = -1.0      # quality of a moment of fewer than dim + 1 neighbours
 # lie on one side.
 ACROSS = 0.1        # tuned 0.05 to 0.2: damping of the slope of the velocity across a wall; judged
 ALONG = 0.01        # tuned 0.005 to 0.02: damping of that slope along a wall; judged
-BESIDE = 1.6    # tuned 1 to 2.6: spacings from a node on an edge to those of the walls that meet there; judged
-SMOOTH = 1e-3   # sine^2 of half the least turn of an edge (geometry.mesh.SMOOTH), less a margin
-ENDS = 0.3      # tuned 0.15 to 0.6: part of a normal along an edge above which this wall ends it; judged
 SOFTENING = 0.25    # tuned 0.125 to 0.5: part of its mean added to a flat moment, times its lack of quality; judged
 # In the tip of water on a flat beach the surface is the only layer, up to 1.5 spacings above the bed, and nodes below
 # it have no row.
@@ -273,8 +271,8 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
     amplifies their disorder. The known part of the slope, the shear of irrotational flow beside a rotating wall, is not
     damped.
 
-    Fluid slips along edges, too: there the tangential part is the weighted mean of the fluid, without its parts across
-    the two walls that meet, and across a third one. So corners move with the wall, as all edges of 2D do.
+    Fluid slips along edges of 3D, too: the part along the edge is the weighted mean of the fluid. What is left at all
+    edges of 2D, and in corners where three walls meet, is the velocity of the wall.
 
     u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
     shear : (n_owned, dim) [1/s], change of the tangential part per distance from the wall; radius : of the weight [m]
@@ -290,7 +288,7 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
             continue
         if not cloud.corner[i]:
             _extrapolate(u, i, cloud, wall_u, shear, work, radius * radius)
-        elif dim == 3 and _edge(work[2], i, cloud):
+        elif dim == 3 and edge_direction(work[2], i, cloud):
             _slip_along(u, work[2], i, cloud, wall_u, radius * radius)
 
 
@@ -356,35 +354,6 @@ def _extrapolate(u, i, cloud, wall_u, shear, work, radius2):
             slip += (u[j, a] - wall_u[i, a]) * normal[i, a]
         for a in range(dim):
             u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a] - y * shear[i, a])
-
-
-@subkernel
-def _edge(along, i, cloud):
-    """Write the direction of the edge on which node i lies (3D); return False in corners, and if it is unknown.
-
-    An edge's own normal is between those of its walls, so it lies across the edge as they do. The nearest flat node with
-    another normal gives the direction, and no normal may have a greater part along it than ENDS.
-    """
-    nx, ny, nz, best = cloud.normal[i, 0], cloud.normal[i, 1], cloud.normal[i, 2], 0.0
-    for search in range(2):
-        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
-            j = cloud.indices[k]
-            if cloud.kind[j] != WALL or cloud.corner[j] or outside(cloud.role[j]):
-                continue
-            w, _ = pair_weight(i, j, cloud.x, (BESIDE * cloud.spacing) ** 2, 0, cloud.axes)
-            mx, my, mz = cloud.normal[j, 0], cloud.normal[j, 1], cloud.normal[j, 2]
-            if search == 1:
-                if w > 0.0 and abs(along[0] * mx + along[1] * my + along[2] * mz) > ENDS:
-                    return False
-                continue
-            tx, ty, tz = ny * mz - nz * my, nz * mx - nx * mz, nx * my - ny * mx
-            size2 = tx * tx + ty * ty + tz * tz
-            if w > best and size2 > SMOOTH:
-                best, scale = w, 1.0 / math.sqrt(size2)
-                along[0], along[1], along[2] = tx * scale, ty * scale, tz * scale
-        if best == 0.0:
-            return False
-    return True
 
 
 @subkernel

@@ -247,29 +247,21 @@ def test_wall_velocity_has_the_walls_normal_part_and_the_fluids_tangential_part(
 
 @pytest.mark.parametrize("degrees", [10.0, 30.0, 90.0, 150.0])
 def test_fluid_slips_along_an_edge_of_any_angle_and_direction(degrees):
-    """A node on a slanting edge, with flat nodes of both walls around it, and with a third wall beside it."""
-    turn = np.radians(degrees)
-    rotation = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
-    along, first = rotation[0], rotation[1]
-    second = np.cos(turn) * rotation[1] + np.sin(turn) * rotation[2]
-    down = [np.cross(along, first), np.cross(second, along)]    # along each wall, away from the edge
-    nodes = [(0.0 * along, first + second, 1)]
-    for side, normal in zip(down, (first, second)):
-        nodes += [(k * along + side, normal, 0) for k in (-1.0, 0.0, 1.0)]
-    random = np.random.default_rng(3)
-    fluid = random.normal(size=(40, 3))
-    slip = along @ np.array([1.0, 2.0, -3.0])
-    for third in (False, True):
-        wall = nodes + [(1.2 * along, -along, 0)] * third
-        x = np.vstack([[one[0] for one in wall], fluid])
-        pool = free(x)
-        pool.kind[:len(wall)], pool.role[:len(wall)] = WALL, WET
-        pool.normal[:len(wall)] = [one[1] / np.linalg.norm(one[1]) for one in wall]
-        pool.corner[0] = 1
+    """A node on a slanting edge, with further ones beside it. Those of a third wall, or of another edge, do not count."""
+    turn, flow = np.radians(degrees), np.array([1.0, 2.0, -3.0])
+    along, first, side = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    second = np.cos(turn) * first + np.sin(turn) * side
+    fluid = np.random.default_rng(3).normal(size=(40, 3))
+    edge = [(0.0 * along, first + second, 1), (along, first + second, 1), (-1.1 * along, first + second, 1)]
+    further = [(1.3 * np.cross(along, first), first, 0), (along + first + second, first + second, 1)]
+    for wall, slips in ((edge[:1], False), (edge[:2], True), (edge + further, True)):
+        pool = free(np.vstack([*(place for place, _, _ in wall), fluid]))
+        n = len(wall)
+        pool.kind[:n], pool.role[:n], pool.corner[:n] = WALL, WET, [corner for _, _, corner in wall]
+        pool.normal[:n] = [normal / np.linalg.norm(normal) for _, normal, _ in wall]
         wall_u = np.tile([0.3, 0.2, 0.1], (pool.n, 1))
-        out = moved_walls(pool, np.where(pool.fluid[:, None], [1.0, 2.0, -3.0], np.nan), wall_u)
-        due = wall_u[0] + (0.0 if third else slip - wall_u[0] @ along) * along
-        np.testing.assert_allclose(out[0], due, atol=1e-12)
+        out = moved_walls(pool, np.where(pool.fluid[:, None], flow, np.nan), wall_u)
+        np.testing.assert_allclose(out[0], wall_u[0] + slips * ((flow - wall_u[0]) @ along) * along, atol=1e-12)
 
 
 @dims
