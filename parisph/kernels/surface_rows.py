@@ -15,7 +15,9 @@ HALF = 0.81     # tuned 0.76 to 0.86: part of a cell up to which a particle lies
 FULL = 0.86     # tuned 0.81 to 0.99: part of a cell above which a particle represents a full one; judged
 # in spacings
 THICK = 1.5     # tuned 1 to 3: largest distance of the last two layers; judged
-FIRST, SECOND = 1.05, 2.3    # coefficients of a parabola for this distance, fitted on lattices (`_layer`)
+# coefficients of a parabola for this distance, fitted on lattices (`_layer`)
+FIRST, SECOND = 1.05, 2.3
+FIRST_3D, SECOND_3D = 0.9, 2.2    # the same in 3D
 LEAST = 0.63    # tuned 0.58 to 1: least mean depth of the neighbours, about one if orderly; layers .3 apart; judged
 
 
@@ -65,7 +67,7 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
         for a in range(dim):
             depth += (mean[a] / total) ** 2
         depth = max(math.sqrt(depth), LEAST * spacing)
-        outside *= _layer(depth / spacing)
+        outside *= _layer(depth / spacing, cloud.axes)
         for k in range(first, first + n):
             values[k] *= outside / ((outside + depth) * total)
         count[i] = n
@@ -82,14 +84,15 @@ def _filled(i, cells):
 
 
 @inlined
-def _layer(depth):
+def _layer(depth, axes):
     """Return the distance of the last two layers, in spacings, from the mean depth of the inner neighbours.
 
-    Exact within 0.03 on the lattice and on compressed ones. Where layers are more than a spacing apart, only the next
-    one is within the radius.
+    Exact within 0.03 on the lattice and on compressed ones, that widen in one direction or in both. Where layers are
+    more than a spacing apart, only the next one is within the radius.
     """
     missing = max(1.0 - depth, 0.0)
-    return min(max(depth, 1.0) - missing * (FIRST + SECOND * missing), THICK)
+    first, second = (FIRST, SECOND) if len(axes) == 2 else (FIRST_3D, SECOND_3D)
+    return min(max(depth, 1.0) - missing * (first + second * missing), THICK)
 
 
 @inlined
