@@ -26,7 +26,7 @@ from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
-from parisph.geometry.raised import lowered, raised
+from parisph.geometry.raised import highest, lowered, raised
 from parisph.geometry.solid import Wall, in_fluid, solid_of
 from parisph.geometry.standing import standing
 
@@ -207,7 +207,7 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
             at = wall.motion.placed_by(x, value)
             lower, upper = np.minimum(lower, at.min(axis=0)), np.maximum(upper, at.max(axis=0))
     if not case.lidded:
-        upper[-1] = max(upper[-1], *(_highest(case, fluid) for fluid in case.fluids))
+        upper[-1] = max(upper[-1], *(highest(case, fluid) for fluid in case.fluids))
     return lower, upper
 
 
@@ -219,15 +219,6 @@ def _visited(motion: Motion, stop: float) -> Floats:
         return np.array([least, greatest])
     places: Floats = np.linspace(least, greatest, 2 + int(min(greatest - least, 2.0 * np.pi) / TURN))
     return places
-
-
-def _highest(case: Scene, fluid: Fluid) -> float:
-    """Return the height [m] of the surface of a body of fluid at the start."""
-    lower, upper = case.bounds_of(fluid)
-    if not fluid.raised:
-        return float(upper[-1])
-    many = 8 + int(8 * (upper - lower)[0] / case.numerics.spacing)
-    return float(upper[-1] + fluid.rise(np.linspace(lower[0], upper[0], min(many, 10000))).max())
 
 
 def _still_pressure(case: Scene, fluid: Fluid, x: Floats) -> Floats:

@@ -110,10 +110,9 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     return _wall_mesh(tuple(walls), spacing)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=32)    # one for each section of a 3D scene
 def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
-    slips = [("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip for wall in walls]
-    bodies = tuple(map(MeshBody, body_names(walls), motion_numbers(walls), slips))
+    bodies = tuple(map(MeshBody, body_names(walls), motion_numbers(walls), map(slip_of, walls)))
     chains = chains_of(walls, spacing)
     if not chains:
         names = ", ".join(body.name for body in bodies)
@@ -126,7 +125,12 @@ def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
     return together(meshes, bodies)
 
 
-@lru_cache(maxsize=4)
+def slip_of(wall: Wall) -> str:
+    """Return "none" if viscous fluid sticks to a body, or to a side of a tank, else "free"."""
+    return ("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip
+
+
+@lru_cache(maxsize=32)
 def chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
     """Return the chains of all walls, those with the same motion joined, in the order of the motions. Cached."""
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
