@@ -143,8 +143,8 @@ def _assembled(planes: Sequence[_Plane], sections: Sequence[WallMesh], parts: Se
         layers = inner[k] + np.arange((len(span.layers) - 2) * many).reshape(len(span.layers) - 2, many)
         nodes = np.concatenate([start[k] + planes[k].nodes.after[None], layers,
                                 start[k + 1] + planes[k + 1].nodes.before[None]])
-        (a, b), (c, d) = nodes[:-1][:, section.elements.T].swapaxes(0, 1), nodes[1:][:, section.elements.T].swapaxes(0, 1)
-        quads = np.stack([a.ravel(), b.ravel(), c.ravel(), d.ravel()], axis=1)
+        rows = nodes[:, section.elements]    # (planes, elements, 2)
+        quads = np.concatenate([rows[:-1], rows[1:]], axis=2).reshape(-1, 4)
         size = lifted(area_vectors(section.corners())) * _step(span)
         size = np.tile(size, (len(span.layers) - 1, 1))
         for corner in quads.T:
@@ -224,7 +224,10 @@ def _stretch(way: Floats, spacing: float) -> object:
 
 def _marked(chain: Chain, places: Floats, close: float) -> Chain:
     """Return a chain with marks at places (n, 2) [m] on it, with further points where it has none."""
-    points, body, angle, marks = [], [], [], []
+    points: list[Floats] = []
+    body: list[int] = []
+    angle: list[float] = []
+    marks: list[int] = []
     for k, (a, b) in enumerate(chain.elements):
         marks += [len(points)] if (np.linalg.norm(places - a, axis=1) <= close).any() else []
         points, angle, body = [*points, a], [*angle, chain.angle[k]], [*body, chain.body[k]]

@@ -44,7 +44,7 @@ class WallMesh:
     x0 : (N, dim) nodes [m]; normal0 : (N, dim) unit normals into the fluid, on edges the normalised sum of both sides'
     area : (N,) of each node's part of the wall [m^(dim-1)]; vector_area : (N, dim), the integral of the normal over it
     share : (N,) part of the node's cell inside the fluid: the angle of the fluid over the whole angle
-    cell : (N,) size of this cell over its thickness [m^(dim-1)]: the area, but in 3D where three planes meet more or less
+    cell : (N,) size of this cell over its thickness [m^(dim-1)]: the area, but in 3D not where three planes meet
     body : (N,) int; edge : (N,) int8, FLAT, CONCAVE, or CONVEX, which carries no row
     elements : (M, dim) int, nodes; in 2D the fluid is on the left of the way from the first to the second, in 3D on the
         side from which they are in anticlockwise order
@@ -94,8 +94,8 @@ def rim_edges(triangles: Array) -> Ints:
 def no_mesh(dim: int) -> WallMesh:
     """Return the mesh of a scene without walls."""
     none, vectors, numbers = np.empty(0), np.empty((0, dim)), np.empty(0, np.int32)
-    return WallMesh(vectors, vectors, none, vectors, none, none, numbers, np.empty(0, np.int8), np.empty((0, dim), np.int32),
-                    numbers)
+    return WallMesh(vectors, vectors, none, vectors, none, none, numbers, np.empty(0, np.int8),
+                    np.empty((0, dim), np.int32), numbers)
 
 
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
@@ -232,7 +232,8 @@ def chain_mesh(chain: Chain, spacing: float, pieces: Sequence[int] | None = None
     total = np.where(tip[:, None], ahead, total)
     return WallMesh(
         x0=x, normal0=total / np.linalg.norm(total, axis=1)[:, None], area=area, vector_area=half,
-        share=np.where(edge == FLAT, 0.5, angle / (2.0 * np.pi)), cell=area, body=body[np.minimum(np.arange(n), len(body) - 1)],
+        share=np.where(edge == FLAT, 0.5, angle / (2.0 * np.pi)), cell=area,
+        body=body[np.minimum(np.arange(n), len(body) - 1)],
         edge=edge.astype(np.int8), elements=pairs.astype(np.int32), element_body=body)
 
 

@@ -97,7 +97,7 @@ def plane_nodes(sides: tuple[Side | None, Side | None], spacing: float, where: s
         for k, part in enumerate(parts):
             for side in (0, 1):
                 number[side][part.nodes[side]] = first[at] + k
-    x, triangles, way, sources = _faces(finder, rims, where)
+    x, triangles, way = _faces(finder, rims, where)
     beyond = len(x) - len(finder.places)
     corner = _corners(finder, first, triangles, way, x)
     used = np.repeat(np.arange(len(finder.places)), own)
@@ -110,7 +110,6 @@ def plane_nodes(sides: tuple[Side | None, Side | None], spacing: float, where: s
     columns = [np.array([node[k] for node in nodes]) for k in (1, 2, 3, 4)]
     share, cell, edge, body = (np.concatenate([column, np.full(beyond, rest)]) for column, rest in zip(
         columns, (0.5, np.nan, FLAT, -1)))
-    del sources
     return PlaneNodes(np.concatenate([finder.places[used], x[len(finder.places):]]), normal, share, cell,
                       edge.astype(np.int8), body.astype(np.int64), number[0], number[1], corner, way)
 
@@ -201,7 +200,9 @@ class _Finder:
         steps = [side.step for side in self.sides if side is not None]
         edge = (CONVEX if part.convex or CONVEX in kinds else CONCAVE if part.concave or CONCAVE in kinds else FLAT)
         one_sided = not (part.nodes[0] and part.nodes[1])
-        beyond = np.array([0.0, 1.0 if part.nodes[0] else -1.0, 0.0]) if one_sided else lifted(np.array(own)).sum(axis=0)
+        beyond = lifted(np.array(own)).sum(axis=0)
+        if one_sided:    # the tip of a plate points ahead
+            beyond = np.array([0.0, 1.0 if part.nodes[0] else -1.0, 0.0])
         return (_mean_normal(normals, beyond), 0.5 * sum(shares), float(np.mean(cells) * np.mean(steps)), edge,
                 min(bodies))
 
@@ -291,7 +292,7 @@ def _same(one: float, other: float) -> bool:
     return bool(min((one - other) % TURN, (other - one) % TURN) <= SAME)
 
 
-def _faces(finder: _Finder, rims: Sequence[Rim], where: str) -> tuple[Floats, Ints, Ints, Ints]:
+def _faces(finder: _Finder, rims: Sequence[Rim], where: str) -> tuple[Floats, Ints, Ints]:
     """Return the places (n, 2) [m], with those of the finder first, and the triangles (m, 3) and ways (m,)."""
     places, edges = [finder.places], [finder.bounds()]
     for rim in rims:
@@ -303,13 +304,13 @@ def _faces(finder: _Finder, rims: Sequence[Rim], where: str) -> tuple[Floats, In
     x, pairs = np.concatenate(places), np.concatenate(edges)
     none = np.empty(0, np.int64)
     if not len(pairs):
-        return x, np.empty((0, 3), np.int64), none, none
+        return x, np.empty((0, 3), np.int64), none
     used, edge = np.unique(pairs, return_inverse=True)
     inner, triangles = triangulated(x[used], edge.reshape(-1, 2), lambda at: finder.kind(at) != 0, finder.spacing,
                                     where)
     corners = np.concatenate([used, np.arange(len(x), len(x) + len(inner))])[triangles]
     x = np.concatenate([x, inner])
-    return x, corners, finder.kind(x[corners].mean(axis=1)), used
+    return x, corners, finder.kind(x[corners].mean(axis=1))
 
 
 def _corners(finder: _Finder, first: Ints, triangles: Ints, way: Ints, x: Floats) -> Ints:

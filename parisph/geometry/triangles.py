@@ -55,7 +55,8 @@ def _inner(nodes: Floats, edges: Ints, inside: Callable[[Floats], Flags], spacin
     if longest > ROOM * spacing:
         for at, reach in zip(middle[radius > ROOM * spacing], radius[radius > ROOM * spacing]):
             x = x[np.linalg.norm(x - at, axis=1) > reach]
-    return x
+    found: Floats = x
+    return found
 
 
 def _with_edges(points: Floats, triangles: Ints, edges: Ints, where: str) -> Ints:
