@@ -21,8 +21,18 @@ from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
 from parisph.geometry.columns import cross
 from parisph.geometry.distance import area_vectors, nearest, unit_normals
-from parisph.geometry.mesh import (MeshBody, WallMesh, block_mesh, breaks, chain_mesh, divisions, motion_numbers,
-                                   no_mesh, slip_of, together)
+from parisph.geometry.mesh import (
+    MeshBody,
+    WallMesh,
+    block_mesh,
+    breaks,
+    chain_mesh,
+    divisions,
+    motion_numbers,
+    no_mesh,
+    slip_of,
+    together,
+)
 from parisph.geometry.planes import PlaneNodes, Rim, Side, lifted, plane_nodes
 from parisph.geometry.polygons import CLOSE, Chain, joined
 from parisph.geometry.raised import highest
