@@ -168,7 +168,7 @@ def _size(case: Scene) -> Iterator[str]:
     else:
         yield (
             f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
-            f"which take about {amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
+            f"which take about {amount(size.memory(n['all'], 1, case.dim))} of memory; at most {size.MOST:.2g} can be numbered; "
             "use a larger spacing, or less fluid and a smaller tank"
         )
 

@@ -16,7 +16,7 @@ from parisph.case.lattice import FIT
 from parisph.case.motion import AtRest, Motion, Rotation, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
-from parisph.case.shapes import ENDS, Shape, Tank
+from parisph.case.shapes import ENDS, Box, Shape, Tank
 
 
 def cuts(case: Scene, fluids: bool = False) -> Floats:
@@ -55,11 +55,12 @@ def section(case: Scene, lower: float, upper: float) -> Scene:
     """
     y, names = 0.5 * (lower + upper), body_names(case.bodies)
     fluids = tuple(_fluid_in(case, case.fluids[number], lower, upper) for number in fluids_across(case, lower, upper))
+    alone = len(fluids) == 1 and isinstance(case.fluid, Fluid)
     walls = tuple(_body_in(case.bodies[number]).model_copy(update={"name": names[number]})
                   for number in bodies_across(case, lower, upper))
     return case.model_copy(update={
-        "fluid": fluids, "walls": walls or None, "gravity": tuple(in_section(part, y) for part in flat(case.gravity)),
-        "frame": projected(case.frame), "probes": ()})
+        "fluid": fluids[0] if alone else fluids, "walls": walls or None, "frame": projected(case.frame), "probes": (),
+        "gravity": tuple(in_section(part, y) for part in flat(case.gravity))})
 
 
 def sections(case: Scene) -> list[tuple[float, float, Scene]]:
@@ -105,8 +106,9 @@ def _shape_in(shape: Any) -> Any:
     """Return the section of a shape; StillWater is its own."""
     if not isinstance(shape, Spread):
         return shape
-    return shape.model_copy(update={"at": flat(shape.at), "breadth": None} if shape.kind == "box"    # type: ignore
-                            else {"across": None})
+    if isinstance(shape, Box):
+        return shape.model_copy(update={"at": flat(shape.at), "breadth": None})
+    return shape.model_copy(update={"across": None})
 
 
 def _body_in(body: Body) -> Body:
