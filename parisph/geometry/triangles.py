@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial import Delaunay
 
 from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.errors import CaseError
@@ -25,6 +24,8 @@ def triangulated(nodes: Floats, edges: Ints, inside: Callable[[Floats], Flags], 
 
     Inner nodes lie on a lattice that divides the box around the region evenly. Raises CaseError.
     """
+    from scipy.spatial import Delaunay    # 2D scenes do not load it
+
     inner = _inner(nodes, edges, inside, spacing)
     points = np.concatenate([nodes, inner])
     lower, upper = points.min(axis=0), points.max(axis=0)
