@@ -12,7 +12,7 @@ from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.geometry.distance import area_vectors, unit_normals
 from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, MeshBody, WallMesh
 
-# tuned 20 to 45: degrees between two triangles that meet in a crease; less is a smooth surface in facets about a
+# Degrees between two triangles that meet in a crease; less is a smooth surface in facets about a
 # spacing long. A sphere of two spacings radius turns by 25 in one facet.
 CREASE = 30.0
 
