@@ -14,6 +14,7 @@ from parisph.base import libraries
 from parisph.base.arrays import Array, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.geometry.distance import nearest
+from parisph.geometry.surfaces import components, signed_volume
 from parisph.geometry.triangle_mesh import CREASE, edges_of
 
 # Spacings: length of the edges of equal triangles of which each node has the area s^2.
@@ -67,14 +68,13 @@ def room_of(pieces: Sequence[Piece], spacing: float) -> Room:
     Raises CaseError where nothing is left or the boundary cannot be meshed; MissingLibrary.
     """
     libraries.require(*libraries.SURFACES)
-    left = _left(pieces, spacing)
-    mesh = left.to_mesh64()
-    nodes, triangles = _meshed(np.array(mesh.vert_properties)[:, :3], np.array(mesh.tri_verts, dtype=np.int32), spacing)
+    points, corners = _left(pieces, spacing)
+    nodes, triangles = _meshed(points, corners, spacing)
     triangles = triangles[:, ::-1]    # from now on with normals into the fluid
     body = _bodies(nodes[triangles], pieces, spacing)
     walls = body >= 0
     used, own = np.unique(triangles[walls], return_inverse=True)
-    return Room(nodes[used], own.reshape(-1, 3).astype(np.int32), body[walls].astype(np.int32), float(left.volume()))
+    return Room(nodes[used], own.reshape(-1, 3).astype(np.int32), body[walls].astype(np.int32), signed_volume(points[corners]))
 
 
 def prism(outline: Floats, ends: tuple[float, float]) -> tuple[Floats, Ints]:
@@ -93,8 +93,8 @@ def prism(outline: Floats, ends: tuple[float, float]) -> tuple[Floats, Ints]:
     return points, np.concatenate([front, front[:, ::-1] + n, *sides])
 
 
-def _left(pieces: Sequence[Piece], spacing: float) -> Any:
-    """Return what the pieces leave, as a Manifold."""
+def _left(pieces: Sequence[Piece], spacing: float) -> tuple[Floats, Ints]:
+    """Return the surface of what the pieces leave: points (N, 3) [m] and triangles (M, 3), with normals outward."""
     import manifold3d
 
     around = [_manifold(piece) for piece in pieces if piece.limits]
@@ -102,12 +102,15 @@ def _left(pieces: Sequence[Piece], spacing: float) -> Any:
     left = manifold3d.Manifold.batch_boolean(around, manifold3d.OpType.Intersect)
     if solids:
         left = left - manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
-    left = left.simplify(FINE * spacing)
+    mesh = left.simplify(FINE * spacing).to_mesh64()
+    points, corners = np.array(mesh.vert_properties)[:, :3], np.array(mesh.tri_verts, dtype=np.int64)
     # a solid that touches no other has a surface of its own, around a negative volume
-    parts = [part for part in left.decompose() if abs(part.volume()) > SMALL * spacing**3]
-    if not any(part.volume() > 0.0 for part in parts):
+    part = components(len(points), np.concatenate([corners[:, :2], corners[:, 1:]]))[corners[:, 0]]
+    number, place = np.unique(part, return_inverse=True)
+    sizes = np.array([signed_volume(points[corners[place == one]]) for one in range(len(number))])
+    if not np.any(sizes > SMALL * spacing**3):
         raise CaseError("walls: no room is left for the fluid between them")
-    return parts[0] if len(parts) == 1 else manifold3d.Manifold.compose(parts)
+    return points, corners[(np.abs(sizes) > SMALL * spacing**3)[place]]
 
 
 def _manifold(piece: Piece) -> Any:
@@ -120,12 +123,12 @@ def _manifold(piece: Piece) -> Any:
     return made
 
 
-def _meshed(points: Floats, corners: Array, spacing: float) -> tuple[Floats, Array]:
+def _meshed(points: Floats, corners: Ints, spacing: float) -> tuple[Floats, Array]:
     """Return nodes and triangles of about equal size on the surface of triangles. Creases keep their places."""
     import pymeshlab
 
     meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=points, face_matrix=corners))
+    meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=points, face_matrix=corners.astype(np.int32)))
     meshes.meshing_isotropic_explicit_remeshing(
         iterations=ROUNDS, adaptive=False, targetlen=pymeshlab.PureValue(EDGE * spacing), featuredeg=CREASE,
         checksurfdist=True, maxsurfdist=pymeshlab.PureValue(OFF * spacing))
