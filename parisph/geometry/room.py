@@ -74,7 +74,8 @@ def room_of(pieces: Sequence[Piece], spacing: float) -> Room:
     body = _bodies(nodes[triangles], pieces, spacing)
     walls = body >= 0
     used, own = np.unique(triangles[walls], return_inverse=True)
-    return Room(nodes[used], own.reshape(-1, 3).astype(np.int32), body[walls].astype(np.int32), signed_volume(points[corners]))
+    return Room(nodes[used], own.reshape(-1, 3).astype(np.int32), body[walls].astype(np.int32),
+                signed_volume(points[corners]))
 
 
 def prism(outline: Floats, ends: tuple[float, float]) -> tuple[Floats, Ints]:
