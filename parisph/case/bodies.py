@@ -7,24 +7,28 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from parisph.base.arrays import Floats
+from parisph.case.breadth import Across, Breadth, Spread, solid_box
 from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, Motion, PistonStroke, Rotation
-from parisph.case.shapes import Name, Shape, Tank, check_line
+from parisph.case.shapes import Name, Shape, Slip, Tank, check_line
+from parisph.case.surface import Surface
 from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction
 
 PistonWave = Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap],
                        Field(discriminator="kind", description="a wave")]
 FlapWave = Annotated[Union[Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
-Slip = Annotated[Literal["free", "none"], Field(description='"free", or "none" where viscous fluid sticks')]
 Line = Annotated[Several[tuple[float, float]],
                  Field(min_length=2, max_length=1000, description="points ((x, y), ...) in order [m]")]
 
 
-class Profile(Model):
+class Profile(Spread):
     """A bed or a wall, open at both ends: straight lines between points [m], with fluid above it.
 
     The points may be given in either direction. If the first and the last have the same x, as on a vertical wall,
     `side` must say on which side the fluid is, as seen along the points.
+
+    With a `breadth` [m] the scene is 3D, and the points (x, z) are of its section: walls across stand in front and at
+    the back. In a scene with a breadth, a further Profile may have ends `across=(ya, yb)` [m].
 
     >>> Profile(points=((0.0, 0.0), (2.0, 0.0), (4.0, 0.5)), name="beach").fluid_on_left
     True
@@ -37,10 +41,15 @@ class Profile(Model):
     side: Literal["left", "right"] | None = Field(
         default=None, description="side of the fluid as seen along the points, None for above")
     motion: AnyMotion = AtRest()
+    breadth: Breadth = None
+    across: Across = None
 
     @model_validator(mode="after")
     def _one_line(self) -> "Profile":
         check_line(self.points, closed=False)
+        if self.breadth is not None and self.across is not None:
+            raise ValueError(f"breadth = {self.breadth:g} and across = {self.across}: the first is of the whole scene, "
+                             "the second of this body in it; give one of them")
         if self.side is None and self.points[0][0] == self.points[-1][0]:
             raise ValueError(f"points: the first and the last have the same x = {self.points[0][0]:g}, so that neither "
                              'side is above; give side="left" or side="right", as seen along the points')
@@ -53,15 +62,22 @@ class Profile(Model):
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner of the box around it, (dim,) each [m]."""
-        return _box(self.points)
+        """Lower and upper corner of the box around it, (dim,) each [m]; those of the section if across is None.
+
+        With a breadth, the scene says where it begins (Scene.box_of).
+        """
+        return solid_box(*_box(self.points), self.across)
 
 
-class Obstacle(Model):
+class Obstacle(Spread):
     """A solid with fluid around it: a Box, Disc or Polygon, which may stand on a bed or overlap other bodies.
+
+    In 3D it reaches across the whole scene, or from ya to yb with `across=(ya, yb)` [m], or as its shape says.
 
     >>> Obstacle(Box(width=0.1, height=0.2, at=(1.0, 0.0)), name="box").slip
     'free'
+    >>> Obstacle(Disc(radius=0.1, at=(1.0, 0.0)), across=(0.2, 0.4)).extent
+    (0.2, 0.4)
     """
 
     kind: Literal["obstacle"] = Field(default="obstacle", init=False)
@@ -69,21 +85,33 @@ class Obstacle(Model):
     name: Name = ""
     slip: Slip = "free"
     motion: AnyMotion = AtRest()
+    across: Across = None
 
     @model_validator(mode="after")
     def _one_outline(self) -> "Obstacle":
         if self.shape.kind == "polygon":
             check_line(self.shape.points, closed=True)
+        own = self.shape.extent
+        if own is not None and self.across is not None:
+            raise ValueError(f"across = {self.across}: the shape reaches from y = {own[0]:g} to {own[1]:g} already; "
+                             "give one of them")
         return self
 
     @property
+    def extent(self) -> tuple[float, float] | None:
+        """Ends across a 3D scene [m], or None for its whole breadth."""
+        return self.shape.extent if self.across is None else self.across
+
+    @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner of the box around it, (dim,) each [m]."""
-        return self.shape.bounds
+        """Lower and upper corner of the box around it, (dim,) each [m]; those of the section without an extent."""
+        return self.shape.bounds if self.across is None else solid_box(*self.shape.bounds, self.across)
 
 
-class Plate(Model):
+class Plate(Spread):
     """A thin wall without thickness, with fluid on both sides: straight lines between points [m].
+
+    In 3D it reaches across the whole scene, or from ya to yb with `across=(ya, yb)` [m].
 
     >>> Plate(points=((1.0, 0.0), (1.0, 0.3)), name="baffle", slip="none").name
     'baffle'
@@ -94,6 +122,7 @@ class Plate(Model):
     name: Name = ""
     slip: Slip = "free"
     motion: AnyMotion = AtRest()
+    across: Across = None
 
     @model_validator(mode="after")
     def _one_line(self) -> "Plate":
@@ -102,8 +131,8 @@ class Plate(Model):
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner of the box around it, (dim,) each [m]."""
-        return _box(self.points)
+        """Lower and upper corner of the box around it, (dim,) each [m]; those of the section if across is None."""
+        return solid_box(*_box(self.points), self.across)
 
 
 class StillWater(Model):
@@ -117,11 +146,12 @@ class StillWater(Model):
     level: float = Field(description="height of the water surface [m]")
 
 
-class Piston(Model):
+class Piston(Spread):
     """A vertical wall at x = `at` [m] that moves along x, with fluid on one side: it makes a `wave`, or has a `motion`.
 
     It slides over the bed below it and is as high as the other walls, unless `bottom` and `top` differ. There is no
-    fluid behind it. A wave that runs to the left has the fluid on the left.
+    fluid behind it. A wave that runs to the left has the fluid on the left. In 3D it reaches across the whole scene, or
+    from ya to yb with `across=(ya, yb)` [m].
 
     >>> Piston(at=0.0, wave=SolitaryWave(height=0.05, depth=0.25)).fluid_on_left
     False
@@ -138,6 +168,7 @@ class Piston(Model):
     top: float | None = Field(default=None, description="height of its upper end [m], None for that of the other walls")
     name: Name = ""
     slip: Slip = "free"
+    across: Across = None
 
     @model_validator(mode="after")
     def _one_motion(self) -> "Piston":
@@ -163,11 +194,11 @@ class Piston(Model):
         return _leftward(self.wave, self.side)
 
 
-class Flap(Model):
+class Flap(Spread):
     """A vertical wall that turns about a `hinge` (x, y) [m] at its lower end, with fluid on one side.
 
     It makes a `wave`, or has a `motion`, a rotation about the hinge. The hinge lies on a bed or on an obstacle. `top`
-    and the side of the fluid are those of a Piston.
+    and the side of the fluid are those of a Piston, and so is `across`. In 3D the hinge is (x, z).
 
     >>> Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.5, depth=0.5)).moved.kind
     'flap_stroke'
@@ -182,6 +213,7 @@ class Flap(Model):
     top: float | None = Field(default=None, description="height of its upper end [m], None for that of the other walls")
     name: Name = ""
     slip: Slip = "free"
+    across: Across = None
 
     @model_validator(mode="after")
     def _one_motion(self) -> "Flap":
@@ -239,10 +271,15 @@ Body = Annotated[
     Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
           Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")]],
     Discriminator(_kind_of)]
+AnyBody = Annotated[
+    Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
+          Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")],
+          Annotated[Surface, Tag("surface")]],
+    Discriminator(_kind_of)]
 Walls = Annotated[
     Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
           Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")],
-          Annotated[Several[Body], Tag("several")]],
+          Annotated[Surface, Tag("surface")], Annotated[Several[AnyBody], Tag("several")]],
     Discriminator(_kind_of)]
 
 

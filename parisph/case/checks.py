@@ -12,8 +12,9 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import absorb, scenery, size, time_checks, wave_sizes
+from parisph.case import absorb, breadth_checks, scenery, size, time_checks, wave_sizes
 from parisph.case.bodies import Body, StillWater, motion_of
+from parisph.case.breadth import lifted
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT
@@ -31,7 +32,7 @@ FAR = 1e9       # spacings from the origin up to which float64 resolves places w
 
 def problems(case: Scene) -> list[str]:
     """Return the list of problems of a case, each one line; empty for a case that can run."""
-    found = list(_dimensions(case))
+    found = [*_dimensions(case), *breadth_checks.problems(case)]
     if not found:
         found += scenery.problems(case)
     if not found:
@@ -49,9 +50,12 @@ def _dimensions(case: Scene) -> Iterator[str]:
     try:
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
-        yield str(error) + ("" if len(case.gravity) == dim else "; y points up, as in gravity=(0, -9.81)")
-    if isinstance(case.frame, Translation) and len(case.frame.direction) != dim:
-        yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
+        up = ("; z points up, as in gravity=(0, 0, -9.81)" if dim == 3 else
+              "; y points up, as in gravity=(0, -9.81)"
+              + (", or give a Tank or a Profile a breadth, which makes the scene 3D" if len(case.gravity) == 3 else ""))
+        yield str(error) + ("" if len(case.gravity) == dim else up)
+    if isinstance(case.frame, Translation) and len(case.frame.direction) not in (2, dim):
+        yield f"frame.direction = {case.frame.direction}: must have 2 components, as the scene is 2D"
     if case.frame.kind != "at_rest" and case.walls is None:
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
 
@@ -138,10 +142,11 @@ def _inside(case: Scene) -> Iterator[str]:
                 yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
                        f"{case.tank.bounds[1][-1]:g}")
         else:
-            level = fluid.shape.bounds[1][-1]
+            box = case.box_of(fluid.shape)
+            level = box[1][-1]
             fills = (f", or give StillWater(level={level:g}), which fills what the walls enclose"
                      if isinstance(fluid.shape, Box) and level <= case.wall_bounds[1][-1] else "")
-            yield from _within(case, f"{name}.shape", fluid.shape.bounds, tolerance, fills)
+            yield from _within(case, f"{name}.shape", box, tolerance, fills)
 
 
 def _within(case: Scene, name: str, box: tuple[Floats, Floats], tolerance: float, remedy: str = "") -> Iterator[str]:
@@ -163,7 +168,7 @@ def _size(case: Scene) -> Iterator[str]:
     else:
         yield (
             f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
-            f"which take about {amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
+            f"which take about {amount(size.memory(n['all'], 1, case.dim))} of memory; at most {size.MOST:.2g} can be numbered; "
             "use a larger spacing, or less fluid and a smaller tank"
         )
 
@@ -185,8 +190,10 @@ def _elevation(case: Scene) -> Iterator[str]:
         if not fluid.raised:
             continue
         lower, upper = case.bounds_of(fluid)
-        x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
-        eta, height, wave = fluid.rise(x), float((upper - lower)[-1]), fluid.wave
+        x, y = np.linspace(lower[0], upper[0], 8 * SAMPLES), None
+        if case.dim == 3:
+            x, y = (axis.ravel() for axis in np.meshgrid(x, np.linspace(lower[1], upper[1], 8 * SAMPLES)))
+        eta, height, wave = fluid.rise(x, y), float((upper - lower)[-1]), fluid.wave
         what = f"{name}.elevation = {shown(fluid.elevation)}" if wave is None else f"{name}.wave = {wave.kind}"
         if not np.all(np.isfinite(eta)):
             yield f"{what}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
@@ -209,7 +216,8 @@ def _wave(case: Scene) -> Iterator[str]:
     for name, wave in wave_sizes.waves(case):
         own = np.array([*[0.0] * (case.dim - 1), -wave.g])
         if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
-            yield f"{name}.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
+            yield (f"{name}.g = {wave.g:g}: the gravity of the case must be ({'0, ' * (case.dim - 1)}{-wave.g:g}); "
+                   "change one of them")
     for name, fluid in fluid_names(case):
         lower, upper = case.bounds_of(fluid)
         deepest, own_wave = float((upper - lower)[-1]), fluid.wave
@@ -223,7 +231,8 @@ def _wave(case: Scene) -> Iterator[str]:
 def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
     x = sample(case)
-    asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(fluid_names(case), x)]
+    asked = [(f"{name}.velocity", lifted(fluid.velocity, case.dim), False, own)
+             for (name, fluid), own in zip(fluid_names(case), x)]
     for name, components, with_time, places in (*asked, ("gravity", case.gravity, True, np.concatenate(x))):
         values = vector_field(components, with_time)(places)
         for axis, component in enumerate(components):

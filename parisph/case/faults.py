@@ -20,7 +20,8 @@ BODIES = ("Obstacle", "Plate", "Profile", "Tank", "Piston", "Flap")
 # Field names of other codes: (classes, names, what parisph has instead)
 MEANT = (
     ((*SHAPES, *BODIES, "Case", "Fluid"), ("depth", "breadth", "thickness", "dim", "z"),
-     "scenes are 2D, x across and y up, and forces are per metre of breadth"),
+     "a Tank(..., breadth=) or Profile(..., breadth=) makes a scene 3D, with z up, and other bodies have ends "
+     "across=(ya, yb); without one it is 2D, y is up, and forces are per metre of breadth"),
     (BODIES, ("density", "mass", "inertia", "moment_of_inertia", "floating", "free", "mooring", "spring"),
      "bodies move only as given, by motion=, and none floats"),
     (BODIES, ("velocity", "speed", "acceleration", "displacement"),

@@ -8,10 +8,11 @@ from pydantic import Field, model_validator
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.bodies import StillWater
+from parisph.case.breadth import lifted
 from parisph.case.expressions import compile_expression, variable_names, vector_field
 from parisph.case.model import Model, Several
 from parisph.case.shapes import Box, Disc, Polygon, Shape
-from parisph.case.waves import AnyWave
+from parisph.case.waves import AnyWave, wave_velocity
 
 NEAR = 0.5         # spacings to both sides for differences: a jump has the vorticity of one spacing
 ROUNDING = 1e-4    # of a velocity: a smaller change over a length counts as none
@@ -29,12 +30,13 @@ class Fluid(Model):
 
     shape : Box, Disc, Polygon or StillWater; parts of it that lie in or behind walls are left out
     density : [kg/m3]
-    velocity : components [m/s], numbers or expressions of x, y
+    velocity : components [m/s], numbers or expressions of x, y; in 3D three of x, y, z, or two in the section
     elevation : None, or the height of the free surface above the top of a Box or the level of StillWater [m], a
-        number or an expression of x; columns of a Box are stretched linearly to it, those of StillWater are moved up
+        number or an expression of x, in 3D of x, y; columns of a Box are stretched linearly to it, those of StillWater
+        are moved up
     wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0 instead of these two; the
         top of the Box is its still surface, and its height is the wave's depth. StillWater has this depth at its
-        deepest place
+        deepest place. In 3D it runs along x
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
 
@@ -49,18 +51,19 @@ class Fluid(Model):
     shape: FluidShape
     density: float = Field(gt=0, description="density [kg/m3]")
     velocity: tuple[Number, ...] = Field(default=(0.0, 0.0),
-                                         description="start velocity (u, v) [m/s], numbers or expressions of x, y")
+                                         description="start velocity (u, v), in 3D (u, v, w) or (u, w) [m/s], numbers "
+                                                     "or expressions of x, y (z)")
     elevation: Union[float, str, None] = Field(
-        default=None, description="surface elevation above a Box [m], a number or an expression of x"
+        default=None, description="surface elevation above a Box [m], a number or an expression of x, in 3D of x, y"
     )
     viscosity: float = Field(default=0.0, ge=0, description="kinematic viscosity [m2/s]")
     wave: AnyWave | None = Field(default=None, description="wave that gives velocity and elevation at the start")
     holes: Annotated[Several[Shape], Field(max_length=100, description="shapes without fluid")] = ()
 
     @property
-    def dim(self) -> int:
-        """Number of dimensions: 2, as scenes in 3D are refused so far."""
-        return 2 if isinstance(self.shape, StillWater) else len(self.shape.bounds[0])
+    def extent(self) -> tuple[float, float] | None:
+        """Ends across a 3D scene [m], or None for its whole breadth."""
+        return None if isinstance(self.shape, StillWater) else self.shape.extent
 
     @property
     def top(self) -> float:
@@ -72,21 +75,26 @@ class Fluid(Model):
         """Whether the surface has an elevation at the start."""
         return self.elevation is not None or self.wave is not None
 
-    def rise(self, x: Floats) -> Floats:
-        """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m]."""
+    def rise(self, x: Floats, y: Floats | None = None) -> Floats:
+        """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m].
+
+        y : (n,) [m] across a 3D scene
+        """
         if self.wave is not None:
             columns, which = np.unique(x, return_inverse=True)
             return self.wave.elevation(columns, 0.0)[which]
         if self.elevation is None:
             return np.zeros(len(x))
-        return compile_expression(str(self.elevation), ("x",))(x=x)
+        if y is None:
+            return compile_expression(str(self.elevation), ("x",))(x=x)
+        return compile_expression(str(self.elevation), ("x", "y"))(x=x, y=y)
 
     def start_velocity(self, x: Floats) -> Floats:
         """Return the velocity (n, dim) [m/s] at the start, at x (n, dim) [m]."""
         if self.wave is None:
-            return vector_field(self.velocity, with_time=False)(x)
+            return vector_field(lifted(self.velocity, np.shape(x)[1]), with_time=False)(x)
         bed = self.top - self.wave.depth
-        return np.stack(self.wave.velocity(x[:, 0], x[:, -1] - bed, 0.0), axis=1)
+        return wave_velocity(self.wave, x, bed, 0.0)
 
     def start_vorticity(self, x: Floats, length: float) -> Floats:
         """Return dv/dx - du/dy (n,) [1/s] of the velocity at the start, at x (n, 2) [m]; a wave has none.
@@ -123,7 +131,7 @@ class Fluid(Model):
             kind = type(self.shape).__name__
             raise ValueError(f"wave = {wave.kind}: only a Box or StillWater has a top to raise; leave it out for a "
                              f"{kind}")
-        if self.elevation is not None or tuple(self.velocity) != (0.0,) * self.dim:
+        if self.elevation is not None or any(component != 0.0 for component in self.velocity):
             raise ValueError(f"wave = {wave.kind}: it gives velocity and elevation; leave these two out")
         if isinstance(self.shape, Box) and abs(wave.depth - self.shape.height) > 1e-6 * wave.depth:
             raise ValueError(
@@ -133,25 +141,36 @@ class Fluid(Model):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Fluid":
-        dim = self.dim
-        check_components("velocity", self.velocity, dim, with_time=False)
+        if self.elevation is not None and not isinstance(self.shape, (Box, StillWater)):
+            raise ValueError(
+                f"elevation = {shown(self.elevation)}: only a Box or StillWater has a top to raise; "
+                f"leave it out for a {type(self.shape).__name__}"
+            )
+        found = [self.faults(dim) for dim in (2, 3)]    # the scene says which
+        if all(found):
+            raise ValueError(found[len(self.velocity) == 3 or self.extent is not None][0])
+        return self
+
+    def faults(self, dim: int) -> list[str]:
+        """Return the faults of velocity and elevation in a scene of `dim` dimensions, one line each."""
+        found = []
+        try:
+            check_components("velocity", self.velocity, dim, with_time=False)
+        except ValueError as error:
+            found.append(str(error))
         if self.elevation is not None:
-            if not isinstance(self.shape, (Box, StillWater)):
-                raise ValueError(
-                    f"elevation = {shown(self.elevation)}: only a Box or StillWater has a top to raise; "
-                    f"leave it out for a {type(self.shape).__name__}"
-                )
             try:
                 compile_expression(str(self.elevation), variable_names(dim - 1, with_time=False))
             except ValueError as error:
-                raise ValueError(f"elevation: {error}") from None
-        return self
+                found.append(f"elevation: {error}")
+        return found
 
 
 def check_components(field: str, components: tuple[Number, ...], dim: int, with_time: bool) -> None:
-    """Raise ValueError unless `components` are dim numbers or expressions that compile."""
-    if len(components) != dim:
-        raise ValueError(f"{field} = {shown(components)}: must have {dim} components, as the fluid's shape has")
+    """Raise ValueError unless `components` are dim numbers or expressions that compile, or two of the section."""
+    if len(components) not in (2, dim):
+        must = "must have 2 components" if dim == 2 else "must have 3 components, or 2 in the section"
+        raise ValueError(f"{field} = {shown(components)}: {must}, as the scene is {dim}D")
     for component in components:
         try:
             compile_expression(str(component), variable_names(dim, with_time))

@@ -4,13 +4,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Union
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.absorb import Absorber, AnyZone, Zone
-from parisph.case.bodies import Body, Flap, Piston, StillWater, Walls, motion_of
+from parisph.case.bodies import Body, Flap, Piston, Profile, StillWater, Walls, motion_of
+from parisph.case.breadth import Spread, lifted, solid_box
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import Fluid
 from parisph.case.friction import Friction
@@ -20,6 +21,7 @@ from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
 from parisph.case.shapes import Box, Tank
+from parisph.case.surface import Surface
 
 
 def _how_many(value: Any) -> str:
@@ -44,7 +46,8 @@ class Scene(Model):
     fluid: Fluids = Field(kw_only=True, description="a Fluid, or several")
     walls: Walls | None = Field(default=None, kw_only=True, description="a Tank or another body, or several")
     gravity: tuple[Union[float, str], ...] = Field(
-        kw_only=True, description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
+        kw_only=True, description="body force (x, y), in 3D (x, y, z) or (x, z) [m/s2], numbers or expressions of "
+                                  "x, y, t (z)")
     frame: Frame = Field(default=AtRest(), kw_only=True)
     absorb: Zones = Field(default=(), kw_only=True)
     friction: Friction | None = Field(default=None, kw_only=True,
@@ -84,10 +87,44 @@ class Scene(Model):
             raise ValueError(f"must be a list; write probes=[{type(probes).__name__}(...)]")
         return probes
 
+    @model_validator(mode="after")
+    def _gravity_of_the_scene(self) -> "Scene":
+        vars(self)["gravity"] = lifted(self.gravity, self.dim)    # type checkers treat a record as frozen
+        return self
+
     @property
     def dim(self) -> int:
-        """Number of dimensions: 2, as 3D scenes are refused."""
-        return self.fluids[0].dim
+        """Number of dimensions: 3 with a `breadth`, else 2. The last axis points up."""
+        return 2 if self.breadth is None else 3
+
+    @property
+    def breadth(self) -> tuple[float, float] | None:
+        """The ends (y0, y1) [m] of a 3D scene, its front and its back; None in 2D.
+
+        They are those of its Tank, else of a Profile with a breadth, else, without walls, of its Boxes together.
+        """
+        tank = self.tank
+        if tank is not None and tank.extent is not None:
+            return tank.extent
+        for body in self.bodies:
+            if isinstance(body, Profile) and body.breadth is not None:
+                return 0.0, body.breadth
+        ends = [fluid.shape.extent for fluid in self.fluids if isinstance(fluid.shape, Box)]
+        known = [] if self.bodies else [pair for pair in ends if pair is not None]
+        return (min(low for low, _ in known), max(high for _, high in known)) if known else None
+
+    def extent_of(self, part: Spread | Fluid) -> tuple[float, float] | None:
+        """Return the ends (ya, yb) [m] across a 3D scene of a shape, a body or a fluid; None in 2D."""
+        whole = self.breadth
+        return whole if whole is None or part.extent is None else part.extent
+
+    def box_of(self, part: Spread) -> tuple[Floats, Floats]:
+        """Return the lower and upper corner of the box around a shape or a body, (dim,) each [m].
+
+        A wavemaker has none. In 3D it reaches across the whole scene unless it has an extent of its own.
+        """
+        lower, upper = part.bounds    # type: ignore[attr-defined]    # of all but wavemakers
+        return (lower, upper) if len(lower) == self.dim else solid_box(lower, upper, self.breadth)
 
     @property
     def fluids(self) -> tuple[Fluid, ...]:
@@ -101,7 +138,19 @@ class Scene(Model):
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """All walls: Tank, Profile, Obstacle, Plate, Piston and Flap."""
+        """All walls but surfaces: Tank, Profile, Obstacle, Plate, Piston and Flap."""
+        return tuple(body for body in self.all_bodies if not isinstance(body, Surface))
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """All Surfaces, named surface, surface-1, ... if they have no name of their own."""
+        found = [body for body in self.all_bodies if isinstance(body, Surface)]
+        return tuple(body if body.name else body.model_copy(update={"name": body.kind + (f"-{k}" if k else "")})
+                     for k, body in enumerate(found))
+
+    @property
+    def all_bodies(self) -> tuple[Body | Surface, ...]:
+        """All walls."""
         if self.walls is None:
             return ()
         return tuple(self.walls) if isinstance(self.walls, Sequence) else (self.walls,)
@@ -114,7 +163,7 @@ class Scene(Model):
     @property
     def lone_tank(self) -> Tank | None:
         """The Tank if it is the only wall and rests in the frame of the scene, or None."""
-        alone = self.tank is not None and len(self.bodies) == 1 and isinstance(self.tank.motion, AtRest)
+        alone = self.tank is not None and len(self.all_bodies) == 1 and isinstance(self.tank.motion, AtRest)
         return self.tank if alone else None
 
     @property
@@ -135,7 +184,7 @@ class Scene(Model):
     @property
     def wall_bounds(self) -> tuple[Floats, Floats] | None:
         """Lower and upper corner of the box around all walls but wavemakers, (dim,) each [m], or None."""
-        boxes = [body.bounds for body in self.bodies if not isinstance(body, (Piston, Flap))]
+        boxes = [self.box_of(body) for body in self.bodies if not isinstance(body, (Piston, Flap))]
         if not boxes:
             return None
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
@@ -146,8 +195,8 @@ class Scene(Model):
         Still water is as wide as the walls, up to wavemakers.
         """
         if not isinstance(fluid.shape, StillWater):
-            return fluid.shape.bounds
-        lower, upper = (corner.copy() for corner in self.wall_bounds or (np.zeros(2), np.zeros(2)))
+            return self.box_of(fluid.shape)
+        lower, upper = (corner.copy() for corner in self.wall_bounds or (np.zeros(self.dim), np.zeros(self.dim)))
         lower[0], upper[0] = self.ends
         upper[-1] = fluid.shape.level
         return lower, np.maximum(upper, lower)
@@ -169,7 +218,10 @@ class Scene(Model):
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
 
     def points(self, across: int, up: int) -> list[Floats]:
-        """Return points (n, dim) [m] of a grid over each body of fluid that lie in its shape."""
+        """Return points (n, dim) [m] of a grid over each body of fluid that lie in its shape.
+
+        across : number along x; up : number along each further axis
+        """
         found = []
         for fluid in self.fluids:
             lower, upper = self.bounds_of(fluid)
@@ -185,14 +237,15 @@ class Scene(Model):
 
         It is full if still water reaches the lid, or, without other bodies, if a Box fills it.
         """
-        fluid, shape, tank = self.fluids[0], self.fluids[0].shape, self.tank
-        if tank is None or not tank.closed or len(self.fluids) > 1 or fluid.raised or fluid.holes:
+        tank = self.tank
+        if tank is None or not tank.closed or len(self.fluids) != 1 or self.fluids[0].raised or self.fluids[0].holes:
             return False
+        shape = self.fluids[0].shape
         if isinstance(shape, StillWater):
             return abs(shape.level - float(tank.bounds[1][-1])) <= FIT * self.numerics.spacing
         if self.lone_tank is None or not isinstance(shape, Box):
             return False
-        gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
+        gaps = np.abs(np.array(self.box_of(shape)) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))
 
     @property
@@ -248,11 +301,12 @@ class Scene(Model):
         return isinstance(self.frame, Rotation)
 
     def start_vorticity(self, fluid: Fluid, x: Floats) -> Floats:
-        """Return the absolute vorticity (n,) [1/s] of a body of fluid at the start, at x (n, dim) [m].
+        """Return the absolute vorticity in the section (n,) [1/s] of a body of fluid at the start, at x (n, dim) [m].
 
-        Fluid at rest in a rotating tank rotates with it.
+        Fluid at rest in a rotating tank rotates with it. In 3D, where fluid does not keep its own, only this counts.
         """
-        return fluid.start_vorticity(x, self.numerics.spacing) + 2.0 * self.spin(0.0)
+        own = fluid.start_vorticity(x, self.numerics.spacing) if self.dim == 2 else np.zeros(len(x))
+        return own + 2.0 * self.spin(0.0)
 
     def spin(self, t: float) -> float:
         """Return the angular velocity of the tank [rad/s] at t [s], anticlockwise."""

@@ -1,70 +1,121 @@
 """The shapes of a scene, and the tank."""
 
 from collections.abc import Sequence
-from typing import Annotated, ClassVar, Literal, Union
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Union
 
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 
 from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
+from parisph.case.breadth import Across, Breadth, Spread, flat, section_of, solid_box, within
 from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
-def _in_the_plane(point: tuple[float, ...]) -> tuple[float, ...]:
+def _in_the_section(point: tuple[float, ...]) -> tuple[float, ...]:
     if len(point) == 3:
-        raise ValueError(f"{point} has three components: scenes are 2D so far, give (x, y)")
+        raise ValueError(f"{point} has three components: a Disc in 3D is a cylinder across the scene; give its centre "
+                         "(x, z), and its ends across=(ya, yb)")
     return point
 
 
 Length = Annotated[float, Field(gt=0, description="a length [m]")]
 Point = Annotated[
     tuple[float, ...],
-    Field(min_length=2, max_length=3, description="a point (x, y) [m]"),
-    AfterValidator(_in_the_plane),
+    Field(min_length=2, max_length=3, description="a point (x, y) [m], in 3D (x, y, z) or (x, z)"),
 ]
+Centre = Annotated[
+    tuple[float, ...],
+    Field(min_length=2, max_length=3, description="a centre (x, y) [m], in 3D (x, z)"),
+    AfterValidator(_in_the_section),
+]
+Slip = Annotated[Literal["free", "none"], Field(description='"free", or "none" where viscous fluid sticks')]
 Name = Annotated[str, Field(max_length=60, pattern=r"^([A-Za-z][A-Za-z0-9_-]*)?$",
                             description="a name that begins with a letter, of letters, digits, _ and -")]
 
 
-class Box(Model):
+class _Block(Spread):
+    """Base of Box and Tank: a rectangle in the section, which may have a breadth."""
+
+    if TYPE_CHECKING:    # fields of each class; as fields of this class they would come first
+        @property
+        def width(self) -> float: ...
+        @property
+        def height(self) -> float: ...
+        @property
+        def at(self) -> tuple[float, ...]: ...
+        @property
+        def breadth(self) -> float | None: ...
+
+    @model_validator(mode="after")
+    def _placed_across(self) -> "Self":
+        if len(self.at) == 3 and self.breadth is None:
+            raise ValueError(f"at = {self.at}: has three components, of which y is across a 3D scene; give breadth=, "
+                             f"or at={flat(self.at)} in the section")
+        return self
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        """Ends across a 3D scene [m], or None for its whole breadth."""
+        if self.breadth is None:
+            return None
+        start = self.at[1] if len(self.at) == 3 else 0.0
+        return start, start + self.breadth
+
+    @property
+    def size(self) -> Floats:
+        """Edge lengths (dim,) [m]; those of the section without a breadth."""
+        return np.array([self.width, self.height] if self.breadth is None
+                        else [self.width, self.breadth, self.height])
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper corner, (dim,) each [m]; those of the section without a breadth."""
+        lower = np.array(self.at)
+        if self.breadth is not None and len(self.at) == 2:
+            lower = np.insert(lower, 1, 0.0)
+        return lower, lower + self.size
+
+
+class Box(_Block):
     """A rectangle of fluid: width x height [m], with its lower left corner `at` [m].
+
+    In 3D it is a block across the whole scene, or, with a `breadth` [m], from y to y + breadth: `at` is (x, y, z), or
+    (x, z) with y = 0.
 
     >>> Box(width=2.0, height=0.5, at=(0.0, 0.1)).area
     1.0
+    >>> Box(width=2.0, height=0.5, breadth=0.4, at=(0.0, 0.3, 0.1)).extent
+    (0.3, 0.7)
     """
 
     kind: Literal["box"] = Field(default="box", init=False)
     width: Length
     height: Length
     at: Point = (0.0, 0.0)
+    breadth: Breadth = None
 
     @property
     def area(self) -> float:
-        """[m2]"""
+        """Area of its section [m2]."""
         return self.width * self.height
-
-    @property
-    def size(self) -> Floats:
-        """Edge lengths (dim,) [m]."""
-        return np.array([self.width, self.height])
-
-    @property
-    def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner, (dim,) each [m]."""
-        lower = np.array(self.at)
-        return lower, lower + self.size
 
     def inside(self, x: Floats, tolerance: float) -> Flags:
         """Return which of the points x (n, dim) [m] lie in the closed box, widened by tolerance [m]."""
         lower, upper = self.bounds
-        within: Flags = np.all((x >= lower - tolerance) & (x <= upper + tolerance), axis=1)
-        return within
+        if x.shape[1] != len(lower):
+            x, lower, upper = section_of(x), section_of(lower), section_of(upper)
+        found: Flags = np.all((x >= lower - tolerance) & (x <= upper + tolerance), axis=1)
+        return found
 
 
-class Disc(Model):
+class Disc(Spread):
     """A disc of fluid: radius [m] about its centre `at` [m].
+
+    In 3D it is a cylinder across the whole scene, or from ya to yb with `across=(ya, yb)` [m]; its centre is (x, z).
 
     >>> print(f"{Disc(radius=0.5, at=(1.0, 1.0)).area:.4f} m2")
     0.7854 m2
@@ -72,7 +123,8 @@ class Disc(Model):
 
     kind: Literal["disc"] = Field(default="disc", init=False)
     radius: Length
-    at: Point = (0.0, 0.0)
+    at: Centre = (0.0, 0.0)
+    across: Across = None
     edges: ClassVar[int] = 1
 
     @property
@@ -82,18 +134,20 @@ class Disc(Model):
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner of the bounding box, (dim,) each [m]."""
+        """Lower and upper corner of the bounding box, (dim,) each [m]; those of the section if across is None."""
         centre = np.array(self.at)
-        return centre - self.radius, centre + self.radius
+        return solid_box(centre - self.radius, centre + self.radius, self.across)
 
     def inside(self, x: Floats, tolerance: float) -> Flags:
         """Return which of the points x (n, dim) [m] lie in the closed disc, widened by tolerance [m]."""
-        within: Flags = np.linalg.norm(x - np.array(self.at), axis=1) <= self.radius + tolerance
-        return within
+        found: Flags = np.linalg.norm(section_of(x) - np.array(self.at), axis=1) <= self.radius + tolerance
+        return found & within(x, self.across, tolerance)
 
 
-class Polygon(Model):
+class Polygon(Spread):
     """A polygon of fluid, by its corners in order [m], in either direction.
+
+    In 3D it is a prism across the whole scene, or from ya to yb with `across=(ya, yb)` [m]; its corners are (x, z).
 
     >>> Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))).area
     0.25
@@ -102,12 +156,14 @@ class Polygon(Model):
     kind: Literal["polygon"] = Field(default="polygon", init=False)
     points: Annotated[Several[tuple[float, ...]], Field(
         min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
+    across: Across = None
 
     @field_validator("points")
     @classmethod
     def _encloses(cls, points: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
         if any(len(point) != 2 for point in points):
-            raise ValueError("every corner must have two coordinates (x, y): scenes are 2D so far")
+            raise ValueError("every corner must have two coordinates (x, y), in 3D (x, z): a Polygon is then a prism "
+                             "with the ends across=(ya, yb)")
         if np.linalg.matrix_rank(np.array(points) - points[0]) < 2:
             raise ValueError("the corners enclose no area: give at least three that are not on one line")
         return points
@@ -131,12 +187,13 @@ class Polygon(Model):
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner of the bounding box, (dim,) each [m]."""
+        """Lower and upper corner of the bounding box, (dim,) each [m]; those of the section if across is None."""
         points = np.array(self.points)
-        return points.min(axis=0), points.max(axis=0)
+        return solid_box(points.min(axis=0), points.max(axis=0), self.across)
 
     def inside(self, x: Floats, tolerance: float) -> Flags:
-        """Return which of the points x (n, 2) [m] lie in the polygon or within tolerance [m] of its edge."""
+        """Return which of the points x (n, dim) [m] lie in the polygon or within tolerance [m] of its edge."""
+        here, x = within(x, self.across, tolerance), section_of(x)
         crossings: Flags = np.zeros(len(x), dtype=bool)
         near: Flags = np.zeros(len(x), dtype=bool)
         corners = np.array(self.points)
@@ -146,7 +203,7 @@ class Polygon(Model):
             if a[1] != b[1]:
                 at = a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
                 crossings ^= ((a[1] > x[:, 1]) != (b[1] > x[:, 1])) & (x[:, 0] < at)
-        return crossings | near
+        return (crossings | near) & here
 
 
 def _area(points: Sequence[Sequence[float]]) -> float:
@@ -206,16 +263,22 @@ class Lid(Model):
 
 
 SIDES = ("left", "right", "bottom", "top")
+ENDS = ("front", "back")    # the further sides of a tank in 3D: front at the least y, back at the greatest
 
 
-class Tank(Model):
+class Tank(_Block):
     """A rectangular tank: width x height [m], with its lower left corner `at` [m].
 
+    With a `breadth` [m] the scene is 3D: x along the tank, y across from the front wall to the back one, z up. `at` is
+    then (x, y, z), or (x, z) with the front at y = 0.
+
     With a lid it is closed; without one water may leave it over the side walls. Viscous fluid sticks to the walls named
-    in `no_slip`, and slips along the others.
+    in `no_slip`, and slips along the others; "front" and "back" are those across.
 
     >>> Tank(width=2.0, height=1.0, lid=True, no_slip=("bottom",)).sticky
     ('bottom',)
+    >>> Tank(width=2.0, height=1.0, breadth=0.5).bounds[1].tolist()
+    [2.0, 0.5, 1.0]
     """
 
     kind: Literal["tank"] = Field(default="tank", init=False)
@@ -223,10 +286,18 @@ class Tank(Model):
     height: Length
     lid: Union[bool, Lid] = Field(default=False, description="whether the tank has a lid, or a Lid that moves")
     at: Point = (0.0, 0.0)
-    no_slip: Union[bool, tuple[Literal["left", "right", "bottom", "top"], ...]] = Field(
+    no_slip: Union[bool, tuple[Literal["left", "right", "bottom", "top", "front", "back"], ...]] = Field(
         default=False, description="whether fluid sticks to all walls, or the names of no-slip walls")
     name: Name = ""
     motion: AnyMotion = AtRest()
+    breadth: Breadth = None
+
+    @model_validator(mode="after")
+    def _sides_there(self) -> "Tank":
+        across = [side for side in self.sticky if side in ENDS]
+        if across and self.breadth is None:
+            raise ValueError(f"no_slip: a tank in 2D has no wall {across[0]!r}; leave it out, or give breadth=")
+        return self
 
     @property
     def closed(self) -> bool:
@@ -238,18 +309,7 @@ class Tank(Model):
         """Names of the walls to which viscous fluid sticks."""
         if isinstance(self.no_slip, tuple):
             return self.no_slip
-        return SIDES if self.no_slip else ()
-
-    @property
-    def size(self) -> Floats:
-        """Edge lengths (dim,) [m]."""
-        return np.array([self.width, self.height])
-
-    @property
-    def bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper corner, (dim,) each [m]."""
-        lower = np.array(self.at)
-        return lower, lower + self.size
+        return (SIDES if self.breadth is None else SIDES + ENDS) if self.no_slip else ()
 
 
 Shape = Annotated[Union[Box, Disc, Polygon], Field(discriminator="kind", description="a Box, Disc or Polygon")]

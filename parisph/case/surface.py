@@ -10,10 +10,9 @@ from pydantic import Field, model_validator
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
 from parisph.base.text import shown
-from parisph.case.bodies import Slip
 from parisph.case.model import Model
 from parisph.case.motion import AtRest
-from parisph.case.shapes import Name
+from parisph.case.shapes import Name, Slip
 
 KINDS = ("stl", "obj", "ply", "off")    # endings of files that are read
 MOST = 10**9                            # bytes of a file

@@ -19,23 +19,25 @@ from parisph.case.numerics import ResolvedNumerics
 # Measured with `python tests/benchmarks/step_cost.py` and with cases/small_sloshing.py on one core of
 # an AMD EPYC (Zen 4): [s] per step, and per particle and step, with and without a position projection.
 COSTS = {True: (1.4e-3, 3.6e-6), False: (0.7e-3, 2.7e-6)}
+EACH_3D = 20e-6          # [s] per particle and step in 3D
 ROWS = {"ISPH": 1.7}     # factor of methods whose rows reach farther
 YARDSTICK = 2.4e-4       # [s] of `yardstick` on that machine
 LEAST = 10.0             # [s]: shorter runs are not recorded
 KEPT = 20                # recorded runs
 
 
-def seconds_per_step(numerics: ResolvedNumerics, particles: int) -> tuple[float, str]:
-    """Return the cost of a step on one rank [s], and its basis in words. Not collective."""
-    shape = _on_reference(numerics.method, _projects(numerics), particles)
+def seconds_per_step(numerics: ResolvedNumerics, particles: int, dim: int = 2) -> tuple[float, str]:
+    """Return the cost of a step in `dim` dimensions on one rank [s], and its basis in words. Not collective."""
+    shape = _on_reference(numerics.method, _projects(numerics), particles, dim)
     runs = [run for run in _runs() if run["processor"] == _processor()]
     if not runs:
         return shape * yardstick() / YARDSTICK, "a short timing of this processor"
-    like = (numerics.method, _projects(numerics))
-    run = min(reversed(runs),
-              key=lambda run: ((run["method"], run["projection"]) != like, abs(np.log(run["particles"] / particles))))
-    factor = run["seconds"] / _on_reference(run["method"], run["projection"], run["particles"])
-    return shape * factor, f"an earlier run of {run['particles']} particles on this processor"
+    like = (numerics.method, _projects(numerics), dim)
+    run = min(reversed(runs), key=lambda run: ((run["method"], run["projection"], _dim(run)) != like,
+                                               _dim(run) != dim, abs(np.log(run["particles"] / particles))))
+    factor = run["seconds"] / _on_reference(run["method"], run["projection"], run["particles"], _dim(run))
+    other = f" in {_dim(run)}D" if _dim(run) != dim else ""
+    return shape * factor, f"an earlier run of {run['particles']} particles{other} on this processor"
 
 
 def yardstick() -> float:
@@ -76,8 +78,8 @@ class Clock:
         else:
             self._steps += 1
 
-    def remember(self, numerics: ResolvedNumerics, particles: int, ranks: int) -> None:
-        """Record the cost of a step of this run for later estimates. One rank.
+    def remember(self, numerics: ResolvedNumerics, particles: int, ranks: int, dim: int = 2) -> None:
+        """Record the cost of a step of this run in `dim` dimensions for later estimates. One rank.
 
         Short runs, and runs with more ranks than cores or on several nodes, are not recorded. A cache folder that
         cannot be written is not an error.
@@ -86,7 +88,7 @@ class Clock:
         if seconds < LEAST or ranks > (os.cpu_count() or 1):
             return
         run = {"processor": _processor(), "method": numerics.method, "projection": _projects(numerics),
-               "particles": particles, "seconds": seconds / self._steps * ranks}
+               "particles": particles, "seconds": seconds / self._steps * ranks, "dim": dim}
         try:
             path = _file()
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -102,9 +104,16 @@ def _projects(numerics: ResolvedNumerics) -> bool:
     return numerics.kappa > 0.0
 
 
-def _on_reference(method: str, projection: bool, particles: float) -> float:
+def _dim(run: dict[str, Any]) -> int:
+    """Return the number of dimensions of a recorded run; those of earlier releases were in 2D."""
+    return int(run.get("dim", 2))
+
+
+def _on_reference(method: str, projection: bool, particles: float, dim: int) -> float:
     """Cost of a step [s] on the machine of COSTS."""
     fixed, each = COSTS[projection]
+    if dim == 3:
+        each = EACH_3D
     return fixed + each * ROWS.get(method, 1.0) * particles
 
 

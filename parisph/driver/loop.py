@@ -353,7 +353,8 @@ class _Run:
         if error is not None:
             raise error
         if self.comm.rank == 0:
-            self.clock.remember(self.simulation.numerics, self.simulation.particles.n_global, self.comm.size)
+            self.clock.remember(self.simulation.numerics, self.simulation.particles.n_global, self.comm.size,
+                                self.simulation.case.dim)
         return summary
 
 

@@ -22,7 +22,7 @@ def check(case: Case, comm: MPI.Comm) -> None:
         logger.warning(text)
     there = _memory(comm)
     count = build.counts(case)["all"]
-    need = size.memory(count, comm.size)
+    need = size.memory(count, comm.size, case.dim)
     if there is not None and need > there:
         raise CaseError(
             f"numerics.spacing = {case.numerics.spacing:g}: makes {count:,} particles, "

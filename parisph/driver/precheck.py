@@ -77,7 +77,7 @@ def early_warnings(case: Case, count: Mapping[str, int], expected: scales.Scales
     yield from scene_checks.airless(case)
     numerics = case.numerics.resolved()
     steps = estimate.estimated_steps(case, numerics, expected)
-    seconds = steps * cost.seconds_per_step(numerics, count["all"])[0] / ranks
+    seconds = steps * cost.seconds_per_step(numerics, count["all"], case.dim)[0] / ranks
     if seconds > MONTH:
         yield (f"the run would take about {estimate.duration(seconds)} on {ranks} rank{'s' * (ranks > 1)}, "
                f"{estimate.rounded(steps)} steps of {count['all']:,} particles: use a larger spacing, a shorter "

@@ -30,7 +30,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     count = build.counts(case)
     expected = scales.expected(case)
     steps = estimated_steps(case, numerics, expected)
-    seconds, basis = cost.seconds_per_step(numerics, count["all"])
+    seconds, basis = cost.seconds_per_step(numerics, count["all"], case.dim)
     step = f"{rounded(1e3 * seconds)} ms" if seconds < 1.0 else duration(seconds)
     lines = [
         ("case", case.title),
@@ -45,7 +45,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
         ("time", f"about {duration(steps * seconds)} on one rank, {step} a step (estimated from {basis})"),
-        ("memory", _memory(count["all"])),
+        ("memory", _memory(count["all"], case.dim)),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
     lines += [("warning", text) for text in precheck.warnings(case, count, expected)]
@@ -69,7 +69,7 @@ def _geometry(case: Case) -> Iterator[tuple[str, str]]:
     gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {' and '.join(known.between)}"
            if math.isfinite(known.gap) else "no wall faces another")
     yield "gaps", gap + (f"; sharpest wedge {known.wedge:.3g} degrees" if known.wedge < 180.0 else "")
-    yield "volume", (f"{known.volume:.6g} m2 exactly; the lattice has {known.lattice:.6g} "
+    yield "volume", (f"{known.volume:.6g} m{case.dim} exactly; the lattice has {known.lattice:.6g} "
                      f"({100.0 * (known.lattice / known.volume - 1.0):+.1f} %) before its particles get their own")
 
 
@@ -81,8 +81,8 @@ def _friction(case: Case) -> Iterator[tuple[str, str]]:
                            f"roughness {law.roughness:g} m")
 
 
-def _memory(particles: int) -> str:
-    need, there = size.memory(particles), memory.total()
+def _memory(particles: int, dim: int) -> str:
+    need, there = size.memory(particles, 1, dim), memory.total()
     text = f"about {memory.amount(need)} on one rank"
     if there is not None and need > there:
         text += f", more than the {memory.amount(there)} of this machine: the case needs a larger one, or several"
@@ -112,10 +112,12 @@ def _resolution(case: Case) -> str:
     """Return the lengths of the scene in spacings, as text."""
     s = case.numerics.spacing
     lower, upper = case.fluid_bounds
-    width, depth = (upper - lower)[[0, -1]]
-    found = [f"fluid {width / s:.3g} x {depth / s:.3g} spacings"]
-    if case.tank is not None and case.tank.width != width:
+    lengths = upper - lower
+    found = [f"fluid {' x '.join(f'{length / s:.3g}' for length in lengths)} spacings"]
+    if case.tank is not None and case.tank.width != lengths[0]:
         found.append(f"tank {case.tank.width / s:.3g} wide")
+    if case.breadth is not None:
+        found.append(f"breadth {(case.breadth[1] - case.breadth[0]) / s:.3g}")
     return ", ".join(found)
 
 

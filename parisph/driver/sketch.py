@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from parisph.base.arrays import Floats
 from parisph.case.motion import AtRest
-from parisph.case.schema import Case
+from parisph.case.probes import AnyProbe
+from parisph.case.scene import Scene
+from parisph.case.sections import sections
 from parisph.geometry.build import domain, fillings
 from parisph.geometry.solid import in_fluid, solid_of
 from parisph.geometry.standing import standing
@@ -20,11 +22,25 @@ TALL = 2.0                               # height over width of a character
 WATER, AIR, SOLID, WALL = "~", " ", "#", "+"
 
 
-def sketch(case: Case) -> str:
+def sketch(case: Scene) -> str:
     """Return the scene at the start as lines of text: water ~, solid #, thin and moving walls +, probes 1, 2, ...
 
-    x and y have the same scale unless the scene is too long; the last line gives the vertical scale then.
+    x and y have the same scale unless the scene is too long; the last line gives the vertical scale then. Of a 3D scene
+    the section with most bodies is drawn, with all probes, and its place across is told.
     """
+    if case.breadth is None:
+        return _drawn(case, case.probes, "y")
+    parts = sections(case)
+    low, high, scene = max(parts, key=lambda part: (bool(part[2].fluids), len(part[2].bodies) + len(part[2].fluids),
+                                                    part[1] - part[0]))
+    (front, back), many = case.breadth, len(parts)
+    whole = f"breadth {back - front:g} m, from y = {front:g} to {back:g} m"
+    return "\n".join([_drawn(scene, case.probes, "z"), whole + (
+        f"; this is the section from y = {low:g} to {high:g} m, one of {many}" if many > 1 else ", alike all across")])
+
+
+def _drawn(case: Scene, probes: Sequence[AnyProbe], upwards: str) -> str:
+    """Return the drawing of a 2D scene. upwards : name of the axis that points up"""
     lower, upper = (corner.copy() for corner in domain(case))
     upper[1] = max(upper[1], case.fluid_bounds[1][1])
     wide, high = upper - lower
@@ -34,14 +50,14 @@ def sketch(case: Case) -> str:
     y = upper[1] - high * (np.arange(up) + 0.5) / up
     picture = _filled(case, x, y)
     _thin(case, picture, lower, upper)
-    marks = _probes(case, picture, lower, upper)
+    marks = _probes(probes, picture, lower, upper)
     stretch = (high / up) / (TALL * wide / across)
     scale = "" if abs(stretch - 1.0) < 0.15 else f", vertical scale x{1.0 / stretch:.2g}"
-    ends = f"x from {lower[0]:g} to {upper[0]:g} m, y from {lower[1]:g} to {upper[1]:g} m{scale}"
+    ends = f"x from {lower[0]:g} to {upper[0]:g} m, {upwards} from {lower[1]:g} to {upper[1]:g} m{scale}"
     return "\n".join(["|" + "".join(row) + "|" for row in picture] + [ends, *marks])
 
 
-def _filled(case: Case, x: Floats, y: Floats) -> Picture:
+def _filled(case: Scene, x: Floats, y: Floats) -> Picture:
     """Return rows of characters for fluid, solid and air."""
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     walls = standing(case)
@@ -60,7 +76,7 @@ def _cell(picture: Picture, lower: Floats, upper: Floats, at: Sequence[float] | 
     return row, column
 
 
-def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
+def _thin(case: Scene, picture: Picture, lower: Floats, upper: Floats) -> None:
     """Draw plates and moving walls."""
     for wall in standing(case):
         outline = solid_of(wall)
@@ -70,16 +86,16 @@ def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
                     picture[_cell(picture, lower, upper, a + part * (b - a))] = WALL
 
 
-def _probes(case: Case, picture: Picture, lower: Floats, upper: Floats) -> list[str]:
+def _probes(probes: Sequence[AnyProbe], picture: Picture, lower: Floats, upper: Floats) -> list[str]:
     """Draw the probes that have a place, and return the legend."""
     found: list[str] = []
-    for probe in case.probes:
+    for probe in probes:
         at = getattr(probe, "at", None)
         if at is None:
             continue
         number = len(found) + 1
         mark = str(number) if number < 10 else chr(ord("a") + (number - 10) % 26)
-        place = (at, upper[1]) if isinstance(at, float) else at
+        place = (at, upper[1]) if isinstance(at, float) else (at[0], at[-1])
         picture[_cell(picture, lower, upper, place)] = mark
         found.append(f"{mark} {probe.name}")
     return [", ".join(found)] if found else []

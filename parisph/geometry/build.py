@@ -6,12 +6,11 @@ the lattice lines and the walls, about sqrt(N) of them.
 """
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from parisph.base.arrays import Array, Floats, Ints
+from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.bodies import StillWater
@@ -22,12 +21,15 @@ from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Lid, Tank
-from parisph.geometry.fill import Filling, taken
+from parisph.geometry.extrusion import extruded
+from parisph.geometry.fill import Filling, filling_of
+from parisph.geometry.layers import LayeredFilling, in_front, layered
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
-from parisph.geometry.raised import lowered, raised
-from parisph.geometry.solid import Wall, in_fluid, solid_of
+from parisph.geometry.raised import highest, lowered, raised
+from parisph.geometry.solid import in_fluid, solid_of
+from parisph.geometry.spans import scene_walls
 from parisph.geometry.standing import standing
 
 CHUNK = 2**18   # particles treated at once; limits the memory of a large scene
@@ -35,19 +37,24 @@ BESIDE = 0.5    # spacings: a wall node within this distance of the surface is a
 LIFT = 0.1      # spacings in front of a node, where its fluid is looked for
 TURN = 0.02     # [rad] between two checked positions of a rotating wall
 
+AnyFilling = Filling | LayeredFilling
+
 
 def scene_mesh(case: Scene) -> WallMesh | None:
     """Return the mesh of all walls of a case, or None without walls. Raises CaseError.
 
-    Nodes are at their positions at t = 0. `bodies[k].motion` numbers the motion in `scene_motions`.
+    Nodes are at their positions at t = 0. `bodies[k].motion` numbers the motion in `scene_motions`, and `bodies` are
+    the walls of geometry.spans.scene_walls.
     """
+    if case.dim == 3:
+        return extruded(case) if case.bodies else None
     walls = standing(case)
     return wall_mesh(walls, case.numerics.spacing) if walls else None
 
 
 def scene_motions(case: Scene) -> tuple[Motion, ...]:
     """Return the motions of walls in the frame of the case; number 0 is rest."""
-    return motions_of(standing(case))
+    return motions_of(scene_walls(case))
 
 
 def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
@@ -86,17 +93,12 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     return arrays
 
 
-def fillings(case: Scene) -> tuple[Filling, ...]:
-    """Return the Filling of each body of fluid. Cached. `fill.taken` says which fluid gives way to which."""
-    return _fillings(case.fluids, standing(case), case.numerics.spacing)
-
-
-@lru_cache(maxsize=4)
-def _fillings(fluids: tuple[Fluid, ...], walls: tuple[Wall, ...], spacing: float) -> tuple[Filling, ...]:
-    shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
-    return tuple(Filling(fluid.shape, walls, spacing, fluid.holes, taken(shapes, holes, number),
-                         fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
-                 for number, fluid in enumerate(fluids))
+def fillings(case: Scene) -> tuple[AnyFilling, ...]:
+    """Return the filling of each body of fluid. Cached. `fill.taken` says which fluid gives way to which."""
+    if case.dim == 3:
+        return layered(case)
+    return tuple(filling_of(case.fluids, number, standing(case), case.numerics.spacing)
+                 for number in range(len(case.fluids)))
 
 
 def even(case: Scene) -> bool:
@@ -123,8 +125,15 @@ def counts(case: Scene) -> dict[str, int]:
 def has_surface(case: Scene) -> bool:
     """Return whether any fluid of a scene is on the surface at the start."""
     fills = fillings(case)
-    return any(fill.is_surface(fill.indices(low, low + CHUNK), fills).any()
+    return any(_on_surface(fill, fill.indices(low, low + CHUNK), fills).any()
                for fill in fills for low in range(0, fill.count, CHUNK))
+
+
+def _on_surface(fill: AnyFilling, index: Ints, fills: Sequence[AnyFilling]) -> Flags:
+    """Return which points of a body of fluid (n,) are on the surface."""
+    if isinstance(fill, LayeredFilling):
+        return fill.is_surface(index, [other for other in fills if isinstance(other, LayeredFilling)])
+    return fill.is_surface(index, [other for other in fills if isinstance(other, Filling)])
 
 
 def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iterator[tuple[Array, Array]]:
@@ -133,6 +142,9 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
     For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene whose places are returned
     """
     for fluid, fill in zip(case.fluids, fillings(case)):
+        if isinstance(fill, LayeredFilling):
+            yield from fill.samples(np.asarray(lower), np.asarray(upper), domain(case))
+            continue
         for places, volume in samples_of(fill, *domain(case), (lower[0], upper[0])):
             places, factor = raised(fluid, scene_mesh(case), case.bounds_of(fluid), places)
             near = np.all((places >= lower) & (places < upper), axis=1)
@@ -141,8 +153,9 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
 
 def volume(case: Scene) -> float:
     """Return the exact volume [m^dim] of all fluid at the start."""
-    return sum(fluid_area(fill, *domain(case), lambda x: raised(
-        fluid, scene_mesh(case), case.bounds_of(fluid), x)[1]) for fluid, fill in zip(case.fluids, fillings(case)))
+    return sum(fill.volume(domain(case)) if isinstance(fill, LayeredFilling) else fluid_area(
+        fill, *domain(case), lambda x: raised(fluid, scene_mesh(case), case.bounds_of(fluid), x)[1])
+        for fluid, fill in zip(case.fluids, fillings(case)))
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
@@ -201,13 +214,16 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
     if case.wall_bounds is None:
         return case.fluid_bounds
     lower, upper = (corner.copy() for corner in case.wall_bounds)
-    for wall in standing(case):
+    part = [0, -1] if case.dim == 3 else slice(None)    # bodies move in the section
+    for wall in scene_walls(case):
         x = solid_of(wall).points
         for value in _visited(wall.motion, case.end_time):
             at = wall.motion.placed_by(x, value)
-            lower, upper = np.minimum(lower, at.min(axis=0)), np.maximum(upper, at.max(axis=0))
+            lower[part], upper[part] = np.minimum(lower[part], at.min(axis=0)), np.maximum(upper[part], at.max(axis=0))
+    if case.dim == 3:    # a front is higher than its Profile
+        upper[-1] = max(upper[-1], extruded(case).x0[:, -1].max())
     if not case.lidded:
-        upper[-1] = max(upper[-1], *(_highest(case, fluid) for fluid in case.fluids))
+        upper[-1] = max(upper[-1], *(highest(case, fluid) for fluid in case.fluids))
     return lower, upper
 
 
@@ -221,33 +237,25 @@ def _visited(motion: Motion, stop: float) -> Floats:
     return places
 
 
-def _highest(case: Scene, fluid: Fluid) -> float:
-    """Return the height [m] of the surface of a body of fluid at the start."""
-    lower, upper = case.bounds_of(fluid)
-    if not fluid.raised:
-        return float(upper[-1])
-    many = 8 + int(8 * (upper - lower)[0] / case.numerics.spacing)
-    return float(upper[-1] + fluid.rise(np.linspace(lower[0], upper[0], min(many, 10000))).max())
-
-
 def _still_pressure(case: Scene, fluid: Fluid, x: Floats) -> Floats:
     """Return the pressure [Pa] at x (n, dim) [m] of still fluid in uniform gravity, 0 for other shapes or forces."""
     gravity = uniform_field(case.gravity)
     if gravity is None or not isinstance(fluid.shape, (Box, StillWater)):
         return np.zeros(len(x))
-    pressure: Floats = np.maximum(case.density * -gravity[-1] * (fluid.top + fluid.rise(x[:, 0]) - x[:, -1]), 0.0)
+    pressure: Floats = np.maximum(case.density * -gravity[-1] * (fluid.top + fluid.rise(*x.T[:-1]) - x[:, -1]), 0.0)
     return pressure
 
 
-def _fluid(case: Case, fluid: Fluid, fill: Filling, start: int, stop: int) -> dict[str, Array]:
+def _fluid(case: Case, fluid: Fluid, fill: AnyFilling, start: int, stop: int) -> dict[str, Array]:
     """Return the arrays of points start to stop of one body of fluid."""
     index = fill.indices(start, stop)
-    surface = fill.is_surface(index, fillings(case))
+    surface = _on_surface(fill, index, fillings(case))
     x, factor = fill.position(index), np.ones(len(index))
     if not isinstance(fluid.shape, StillWater):
-        x, factor = raised(fluid, scene_mesh(case), case.bounds_of(fluid), x)
+        x, factor = fill.moved(index) if isinstance(fill, LayeredFilling) else raised(
+            fluid, scene_mesh(case), case.bounds_of(fluid), x)
     n, dim = x.shape
-    cell = factor * fill.step.prod()
+    cell = factor * fill.cell(index)
     return {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, **_started(case, fluid, x),
@@ -259,7 +267,7 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, start: int, stop: int) -> di
 
 def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
     """Return nodes (n,) of the mesh of a case as particles: the arrays of `build` without ids."""
-    walls, mesh, s, n = standing(case), scene_mesh(case), case.numerics.spacing, len(nodes)
+    walls, mesh, s, n = scene_walls(case), scene_mesh(case), case.numerics.spacing, len(nodes)
     assert mesh is not None
     x, no_slip, wall_u = mesh.x0[nodes], np.zeros(n, dtype=np.int8), np.zeros((n, mesh.dim))
     motions = motions_of(walls)
@@ -267,22 +275,23 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
         own = mesh.body[nodes] == number
         wall_u[own] = motions[body.motion].velocity_at(x[own], 0.0)
         if isinstance(wall, Tank):
-            no_slip[own], along = _sides(wall, x[own], s)
+            assert case.tank is not None
+            no_slip[own], along = _sides(case.tank, x[own], s)
             wall_u[own] += along
         else:
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
-    corner = (mesh.edge == CONCAVE) | (mesh.ends & (mesh.dim == 2))    # or an open end, like the foot of a piston
+    corner = (mesh.edge == CONCAVE) | mesh.ends    # or an open end, like the foot of a piston
     return {
         "kind": np.full(n, WALL, dtype=np.int8), "corner": corner[nodes].astype(np.int8),
-        "role": _roles(case, walls, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
+        "role": _roles(case, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
         "p": np.zeros(n), "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes],
-        "no_slip": no_slip, "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
+        "no_slip": no_slip, "wall_u": wall_u, "weight": mesh.cell[nodes] * mesh.share[nodes] / scale,
         "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 
-def _roles(case: Scene, walls: Sequence[Wall], x: Floats, normal: Floats, edge: Array) -> Array:
+def _roles(case: Scene, x: Floats, normal: Floats, edge: Array) -> Array:
     """Return the roles (n,) of nodes: WET in fluid, CONTACT near its surface, else DRY.
 
     Nodes behind another body, like those of a bed behind a piston, are DRY, and so are convex edges, which have no row.
@@ -291,25 +300,28 @@ def _roles(case: Scene, walls: Sequence[Wall], x: Floats, normal: Floats, edge: 
 
     def held(at: Floats) -> Array:
         fills = zip(case.fluids, fillings(case))
-        return np.asarray(np.any([fill.holds(lowered(fluid, at)) for fluid, fill in fills], axis=0))
+        return np.asarray(np.any([fill.holds(at, lower=True) if isinstance(fill, LayeredFilling) else
+                                  fill.holds(lowered(fluid, at)) for fluid, fill in fills], axis=0))
+
+    def clear(at: Floats) -> Array:
+        return in_front(case, at) if case.dim == 3 else in_fluid(standing(case), at)
 
     before = x + LIFT * s * normal
-    wet, free = held(x) & in_fluid(walls, before), np.zeros(len(x), dtype=bool)
+    wet, free = held(x) & clear(before), np.zeros(len(x), dtype=bool)
     for axis in range(x.shape[1]):
         for side in (-1.0, 1.0):
             beside = before + side * BESIDE * s * np.eye(x.shape[1])[axis]
-            in_front = side * normal[:, axis] > -LIFT    # not on the other side of a plate
-            free |= ~held(beside) & in_fluid(walls, beside) & in_front
+            facing = side * normal[:, axis] > -LIFT    # not on the other side of a plate
+            free |= ~held(beside) & clear(beside) & facing
     role = np.where(wet, np.where(free, CONTACT, WET), DRY)
     return np.where(edge == CONVEX, DRY, role).astype(np.int8)
 
 
 def _sides(tank: Tank, x: Floats, spacing: float) -> tuple[Array, Floats]:
     """Return 1 for nodes on no-slip sides of a tank, else 0, (n,), and the velocity of its lid (n, dim)."""
-    (left, bottom), (right, top) = tank.bounds
-    near = 1e-6 * spacing
-    on = {"left": np.abs(x[:, 0] - left) < near, "right": np.abs(x[:, 0] - right) < near,
-          "bottom": np.abs(x[:, 1] - bottom) < near, "top": np.abs(x[:, 1] - top) < near}
+    near, names = 1e-6 * spacing, {0: ("left", "right"), 1: ("front", "back"), x.shape[1] - 1: ("bottom", "top")}
+    on = {name: np.abs(x[:, axis] - corner[axis]) < near
+          for axis, pair in names.items() for name, corner in zip(pair, tank.bounds)}
     sticky = np.any([np.zeros(len(x), dtype=bool), *(on[side] for side in tank.sticky)], axis=0)
     along = np.zeros_like(x)
     if isinstance(tank.lid, Lid):

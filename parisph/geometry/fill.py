@@ -5,11 +5,13 @@ So each rank makes only its own points, and their numbers do not depend on the n
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from parisph.base.arrays import Flags, Floats, Ints
 from parisph.case.bodies import StillWater
+from parisph.case.fluids import Fluid
 from parisph.case.lattice import FIT, STRETCH, Lattice
 from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import Intervals, between, crossings, gaps, near_pieces, union
@@ -39,6 +41,15 @@ def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]]
     if isinstance(shapes[number], StillWater):
         return [(shape, ()) for shape in shapes if not isinstance(shape, StillWater)]
     return [(shape, own) for shape, own in zip(shapes[:number], holes) if not isinstance(shape, StillWater)]
+
+
+@lru_cache(maxsize=64)
+def filling_of(fluids: tuple[Fluid, ...], number: int, walls: tuple[Wall, ...], spacing: float) -> "Filling":
+    """Return the Filling of one of the bodies of fluid of a scene (2D). Cached."""
+    fluid = fluids[number]
+    return Filling(fluid.shape, walls, spacing, fluid.holes,
+                   taken([one.shape for one in fluids], [one.holes for one in fluids], number),
+                   fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
 
 
 class Filling:
@@ -177,6 +188,10 @@ class Filling:
         number = np.arange(start, self.count if stop is None else min(stop, self.count))
         run = np.searchsorted(self._before, number, side="right") - 1
         return np.stack([self._line[run] + self._ends[0][0], self._begin[run] + number - self._before[run]], axis=1)
+
+    def cell(self, index: Ints) -> Floats:
+        """Return the area (n,) [m2] of the lattice cells of indices (n, 2)."""
+        return np.full(len(index), self.step.prod())
 
     def cells(self, index: Ints) -> Floats:
         """Return the area (n,) [m2] of a Box nearest to each of its points (n, 2), without other shapes.

@@ -44,6 +44,7 @@ class WallMesh:
     x0 : (N, dim) nodes [m]; normal0 : (N, dim) unit normals into the fluid, on edges the normalised sum of both sides'
     area : (N,) of each node's part of the wall [m^(dim-1)]; vector_area : (N, dim), the integral of the normal over it
     share : (N,) part of the node's cell inside the fluid: the angle of the fluid over the whole angle
+    cell : (N,) size of this cell over its thickness [m^(dim-1)]: the area, but in 3D not where three planes meet
     body : (N,) int; edge : (N,) int8, FLAT, CONCAVE, or CONVEX, which carries no row
     elements : (M, dim) int, nodes; in 2D the fluid is on the left of the way from the first to the second, in 3D on the
         side from which they are in anticlockwise order
@@ -55,6 +56,7 @@ class WallMesh:
     area: Floats
     vector_area: Floats
     share: Floats
+    cell: Floats
     body: Array
     edge: Array
     elements: Array
@@ -68,8 +70,12 @@ class WallMesh:
 
     @property
     def ends(self) -> Flags:
-        """Which nodes (N,) belong to one element only: the ends of open lines."""
-        found: Flags = np.bincount(self.elements.ravel(), minlength=len(self.x0)) == 1
+        """Which nodes (N,) lie at the ends of open lines, in 3D on the rims of open surfaces."""
+        if self.dim == 2:
+            ends: Flags = np.bincount(self.elements.ravel(), minlength=len(self.x0)) == 1
+            return ends
+        found = np.zeros(len(self.x0), dtype=bool)
+        found[rim_edges(self.elements)] = True
         return found
 
     def corners(self, x: Floats | None = None) -> Floats:
@@ -77,11 +83,19 @@ class WallMesh:
         return (self.x0 if x is None else x)[self.elements]
 
 
+def rim_edges(triangles: Array) -> Ints:
+    """Return the edges (m, 2), as pairs of nodes, that belong to one of the triangles (M, 3) only."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges, many = np.unique(edges, axis=0, return_counts=True)
+    found: Ints = edges[many == 1]
+    return found
+
+
 def no_mesh(dim: int) -> WallMesh:
     """Return the mesh of a scene without walls."""
     none, vectors, numbers = np.empty(0), np.empty((0, dim)), np.empty(0, np.int32)
-    return WallMesh(vectors, vectors, none, vectors, none, numbers, np.empty(0, np.int8), np.empty((0, dim), np.int32),
-                    numbers)
+    return WallMesh(vectors, vectors, none, vectors, none, none, numbers, np.empty(0, np.int8),
+                    np.empty((0, dim), np.int32), numbers)
 
 
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
@@ -96,10 +110,9 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     return _wall_mesh(tuple(walls), spacing)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=32)    # one for each section of a 3D scene
 def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
-    slips = [("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip for wall in walls]
-    bodies = tuple(map(MeshBody, body_names(walls), motion_numbers(walls), slips))
+    bodies = tuple(map(MeshBody, body_names(walls), motion_numbers(walls), map(slip_of, walls)))
     chains = chains_of(walls, spacing)
     if not chains:
         names = ", ".join(body.name for body in bodies)
@@ -109,10 +122,15 @@ def _wall_mesh(walls: tuple[Wall, ...], spacing: float) -> WallMesh:
         mesh = block_mesh(Lattice(Box(width=wall.width, height=wall.height, at=wall.at), wall, spacing))
         meshes.append(replace(mesh, body=mesh.body + np.int32(tank), element_body=mesh.element_body + np.int32(tank)))
     meshes += [chain_mesh(chain, spacing) for chain in chains if tank is None or not np.all(chain.body == tank)]
-    return _together(meshes, bodies)
+    return together(meshes, bodies)
 
 
-@lru_cache(maxsize=4)
+def slip_of(wall: Wall) -> str:
+    """Return "none" if viscous fluid sticks to a body, or to a side of a tank, else "free"."""
+    return ("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip
+
+
+@lru_cache(maxsize=32)
 def chains_of(walls: tuple[Wall, ...], spacing: float) -> tuple[Chain, ...]:
     """Return the chains of all walls, those with the same motion joined, in the order of the motions. Cached."""
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
@@ -167,6 +185,7 @@ def block_mesh(lattice: Lattice) -> WallMesh:
     elements = np.concatenate(simplices)
     return WallMesh(
         x0=lattice.position(index), normal0=inward / length[:, None], area=area, vector_area=vectors, share=0.5**planes,
+        cell=area * np.where((dim == 3) & (planes == 3), 4.0 / 3.0, 1.0),
         body=np.zeros(len(index), np.int32), edge=np.where(planes > 1, CONCAVE, FLAT).astype(np.int8),
         elements=elements.astype(np.int32), element_body=np.zeros(len(elements), np.int32))
 
@@ -191,13 +210,12 @@ def _simplices(corners: Ints, axis: int, sign: int) -> Ints:
     return np.concatenate([np.stack(triangle, axis=1) for triangle in triangles])
 
 
-def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
-    """Return the mesh of one chain: each stretch between corners divided into round(length / s) equal elements (2D).
+def chain_mesh(chain: Chain, spacing: float, pieces: Sequence[int] | None = None) -> WallMesh:
+    """Return the mesh of one chain: each stretch between corners divided into equal elements (2D).
 
-    A stretch between two convex corners has at least two, so that one node has a row. Otherwise particles beside a
-    small body would treat its place as air.
+    pieces : their number in each stretch, None for those of `divisions`
     """
-    x, body, corner = _nodes(chain, spacing)
+    x, body, corner = _nodes(chain, [many for _, _, many in divisions(chain, spacing)] if pieces is None else pieces)
     n = len(x)
     pairs = np.stack([np.arange(n), np.arange(1, n + 1) % n], axis=1)[: n if chain.closed else n - 1]
     vectors = area_vectors(x[pairs])
@@ -214,23 +232,34 @@ def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
     total = np.where(tip[:, None], ahead, total)
     return WallMesh(
         x0=x, normal0=total / np.linalg.norm(total, axis=1)[:, None], area=area, vector_area=half,
-        share=np.where(edge == FLAT, 0.5, angle / (2.0 * np.pi)), body=body[np.minimum(np.arange(n), len(body) - 1)],
+        share=np.where(edge == FLAT, 0.5, angle / (2.0 * np.pi)), cell=area,
+        body=body[np.minimum(np.arange(n), len(body) - 1)],
         edge=edge.astype(np.int8), elements=pairs.astype(np.int32), element_body=body)
 
 
-def _nodes(chain: Chain, spacing: float) -> tuple[Floats, Ints, Ints]:
-    """Return the nodes (n, 2) of a chain, the body of each element, and each node's corner of the chain or -1, (n,)."""
-    points, pieces = chain.points, len(chain.body)
-    convex = chain.angle > np.pi + SMOOTH
-    x, body, corner = [], [], []
+def divisions(chain: Chain, spacing: float) -> Iterator[tuple[int, Floats, int]]:
+    """Yield first point, points (n, 2) [m] and number of elements, round(length / s), of each stretch of a chain.
+
+    A stretch between two convex corners has at least two, so that one node has a row. Otherwise particles beside a
+    small body would treat its place as air.
+    """
+    points, convex = chain.points, chain.angle > np.pi + SMOOTH
     for start, way in stretches(chain):
         stop = start + len(way) - 1
         both = convex[start % len(points)] and convex[stop % len(points)]
         turn = float(np.sum(chain.angle[np.arange(start + 1, stop) % len(points)] - np.pi))
-        divided = _divided(way, spacing, max(2 if both else 1, int(np.ceil(abs(turn) / BEND - CLOSE))))
-        x.append(divided[:-1])
-        body.append(np.full(len(divided) - 1, chain.body[start % pieces]))
-        corner += [start % len(points)] + [-1] * (len(divided) - 2)
+        least = max(2 if both else 1, int(np.ceil(abs(turn) / BEND - CLOSE)))
+        yield start, way, max(round(reaches(way)[-1] / spacing), least)
+
+
+def _nodes(chain: Chain, pieces: Sequence[int]) -> tuple[Floats, Ints, Ints]:
+    """Return the nodes (n, 2) of a chain, the body of each element, and each node's corner of the chain or -1, (n,)."""
+    points = chain.points
+    x, body, corner = [], [], []
+    for (start, way), many in zip(stretches(chain), pieces):
+        x.append(_divided(way, many)[:-1])
+        body.append(np.full(many, chain.body[start % len(chain.body)]))
+        corner += [start % len(points)] + [-1] * (many - 1)
     if not chain.closed:
         x.append(points[-1:])
         corner.append(len(points) - 1)
@@ -239,15 +268,16 @@ def _nodes(chain: Chain, spacing: float) -> tuple[Floats, Ints, Ints]:
 
 def stretches(chain: Chain) -> Iterator[tuple[int, Floats]]:
     """Yield the stretches of a chain between its corners: number of the first point, points (n, 2) [m]."""
-    breaks = _breaks(chain)
-    stops = [*breaks[1:], breaks[0] + len(chain.body)] if chain.closed else breaks[1:]
-    for start, stop in zip(breaks, stops):
+    starts = breaks(chain)
+    stops = [*starts[1:], starts[0] + len(chain.body)] if chain.closed else starts[1:]
+    for start, stop in zip(starts, stops):
         yield start, chain.points[np.arange(start, stop + 1) % len(chain.points)]
 
 
-def _breaks(chain: Chain) -> list[int]:
-    """Return the numbers of the points where a new stretch begins: corners, ends, and changes of the body."""
+def breaks(chain: Chain) -> list[int]:
+    """Return the numbers of the points where a new stretch begins: corners, ends, marks, and changes of the body."""
     sharp = np.abs(chain.angle - np.pi) >= SMOOTH
+    sharp[list(chain.marks)] = True
     if chain.closed:
         sharp |= chain.body != np.roll(chain.body, 1)
         return np.flatnonzero(sharp).tolist() or [0]
@@ -257,10 +287,9 @@ def _breaks(chain: Chain) -> list[int]:
     return found
 
 
-def _divided(way: Floats, spacing: float, least: int) -> Floats:
-    """Divide a line through points (n, 2) into round(length / s) pieces of equal length, at least `least`."""
+def _divided(way: Floats, pieces: int) -> Floats:
+    """Divide a line through points (n, 2) into pieces of equal length."""
     reach = reaches(way)
-    pieces = max(round(reach[-1] / spacing), least)
     if len(way) == 2:
         inner = way[0] + np.arange(1, pieces)[:, None] * ((way[1] - way[0]) / pieces)
     else:
@@ -278,7 +307,7 @@ def places_along(way: Floats, reach: Floats, along: Floats) -> Floats:
     return np.stack([np.interp(along, reach, column) for column in way.T], axis=1)
 
 
-def _together(meshes: Sequence[WallMesh], bodies: tuple[MeshBody, ...]) -> WallMesh:
+def together(meshes: Sequence[WallMesh], bodies: tuple[MeshBody, ...]) -> WallMesh:
     """Return meshes as one."""
     joint = {name: np.concatenate([getattr(mesh, name) for mesh in meshes]) for name in vars(meshes[0])
              if name not in ("elements", "bodies")}

@@ -24,12 +24,14 @@ class Chain:
     points : (n, 2) [m]; closed : whether the last is joined to the first
     body : (n,) or, if open, (n - 1,) int, the number of the body of each piece
     angle : (n,) [rad], of the fluid at each point: pi on a straight wall and at the ends of an open chain
+    marks : numbers of points, besides its corners, at which the mesh has a node (geometry.extrusion)
     """
 
     points: Floats
     body: Ints
     angle: Floats
     closed: bool
+    marks: tuple[int, ...] = ()
 
     @property
     def elements(self) -> Floats:
@@ -59,7 +61,7 @@ def _cut(outlines: Sequence[Solid], close: float) -> tuple[Floats, Ints, Ints]:
     a, b = np.concatenate([outline.elements for outline in outlines]).swapaxes(0, 1)
     body = np.repeat(np.arange(len(outlines)), [len(outline.elements) for outline in outlines])
     owner, along = _meetings(a, b, body, close)
-    number, points = _merged(np.concatenate([a, b, a[owner] + along[:, None] * (b - a)[owner]]), close)
+    number, points = merged(np.concatenate([a, b, a[owner] + along[:, None] * (b - a)[owner]]), close)
     first, last, between = number[: len(a)], number[len(a) : 2 * len(a)], number[2 * len(a) :]
     owner = np.concatenate([np.arange(len(a)), owner, np.arange(len(a))])
     along = np.concatenate([np.zeros(len(a)), along, np.ones(len(a))])
@@ -92,8 +94,8 @@ def _meetings(a: Floats, b: Floats, body: Ints, close: float) -> tuple[Ints, Flo
     return owner[inner], t[inner]
 
 
-def _merged(places: Floats, close: float) -> tuple[Ints, Floats]:
-    """Merge close places (n, 2) into the first of them; return the point number of each place, and the points."""
+def merged(places: Floats, close: float) -> tuple[Ints, Floats]:
+    """Merge places (n, 2) nearer than `close` into the first; return the point number (n,) of each, and the points."""
     groups = np.stack([_groups(places[:, axis], close) for axis in range(2)], axis=1)
     _, first, number = np.unique(groups, axis=0, return_index=True, return_inverse=True)
     return number.reshape(-1), places[first]

@@ -31,31 +31,32 @@ def fluid_area(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[f
 
 
 def samples(fill: Filling, lower: Sequence[float] | Floats, upper: Sequence[float] | Floats,
-            ends: tuple[float, float] = (-np.inf, np.inf)) -> Iterator[tuple[Floats, Floats]]:
+            ends: tuple[float, float] = (-np.inf, np.inf), fine: int = FINE) -> Iterator[tuple[Floats, Floats]]:
     """Yield sample places (m, 2) [m] of a body of fluid, with the area (m,) [m2] of each. Not collective.
 
     An elevation of still water is left out: see geometry.raised.
     lower, upper : (2,) [m], the box that contains the scene
     ends : range of x [m] from which to return places; the places do not depend on it, so a rank finds near its own
         particles what one rank would find there
+    fine : pieces per spacing
     """
-    at, width, low, high = _pieces(fill, np.array(lower), np.array(upper))
+    at, width, low, high = _pieces(fill, np.array(lower), np.array(upper), fine)
     near = (at >= ends[0]) & (at < ends[1])
     at, width, low, high = at[near], width[near], low[near], high[near]
-    first, total = 0, np.cumsum(np.ceil((high - low) * FINE / fill.spacing).astype(np.int64))
+    first, total = 0, np.cumsum(np.ceil((high - low) * fine / fill.spacing).astype(np.int64))
     while first < len(at):
         stop = max(int(np.searchsorted(total, (total[first - 1] if first else 0) + CHUNK)), first + 1)
         some = slice(first, stop)
-        number, y, size = _divided(low[some], high[some], fill.spacing)
+        number, y, size = _divided(low[some], high[some], fill.spacing / fine)
         yield np.stack([np.repeat(at[some], number), y], axis=1), size * np.repeat(width[some], number)
         first = stop
 
 
-def _pieces(fill: Filling, lower: Floats, upper: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def _pieces(fill: Filling, lower: Floats, upper: Floats, fine: int = FINE) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the fluid on the middle lines of strips: x, width, lower and upper end [m]."""
     a, b, sides = _sides(fill, lower, upper)
     cuts = np.unique(np.clip(np.concatenate([a[:, 0], sides, [lower[0], upper[0]]]), lower[0], upper[0]))
-    _, at, width = _divided(cuts[:-1], cuts[1:], fill.spacing)
+    _, at, width = _divided(cuts[:-1], cuts[1:], fill.spacing / fine)
     line, height = crossings(a, b, at)
     every: Ints = np.arange(len(at))
     line = np.concatenate([line, every, every])
@@ -98,9 +99,10 @@ def _meetings(a: Floats, b: Floats) -> Floats:
     return np.concatenate(found)
 
 
-def _divided(low: Floats, high: Floats, spacing: float) -> tuple[Ints, Floats, Floats]:
-    """Divide intervals into short pieces: return how many of each, (n,), and their middles and lengths (m,) [m]."""
-    number = np.maximum(np.ceil((high - low) * FINE / spacing - 1e-9).astype(np.int64), 1)
+def _divided(low: Floats, high: Floats, longest: float) -> tuple[Ints, Floats, Floats]:
+    """Divide intervals into pieces of at most `longest` [m]: return how many of each, (n,), and their middles and
+    lengths (m,) [m]."""
+    number = np.maximum(np.ceil((high - low) / longest - 1e-9).astype(np.int64), 1)
     size = np.repeat((high - low) / number, number)
     inside = np.arange(len(size)) - np.repeat(np.cumsum(number) - number, number)
     return number, np.repeat(low, number) + (inside + 0.5) * size, size

@@ -8,11 +8,13 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.bodies import StillWater
 from parisph.case.fluids import Fluid
+from parisph.case.scene import Scene
 from parisph.case.shapes import Box
 from parisph.geometry.columns import beds
 from parisph.geometry.mesh import WallMesh
 
 MOST = 0.5    # of the depth: limit of the elevation where the bed rises, as at a shore
+MANY = {2: 10000, 3: 400}    # most places along each axis at which the highest surface is looked for
 LEVEL = 1e-9  # of the depth, above the lowest place of the water: a lower bed is level
 
 
@@ -47,3 +49,13 @@ def lowered(fluid: Fluid, x: Floats) -> Floats:
     below = x.copy()
     below[:, 1] = bottom + (x[:, 1] - bottom) / (1.0 + fluid.rise(x[:, 0]) / height)
     return below
+
+
+def highest(case: Scene, fluid: Fluid) -> float:
+    """Return the height [m] of the surface of a body of fluid at the start."""
+    lower, upper = case.bounds_of(fluid)
+    if not fluid.raised:
+        return float(upper[-1])
+    many = [min(8 + int(8 * length / case.numerics.spacing), MANY[case.dim]) for length in (upper - lower)[:-1]]
+    places = np.meshgrid(*(np.linspace(low, high, n) for low, high, n in zip(lower, upper, many)))
+    return float(upper[-1] + fluid.rise(*(place.ravel() for place in places)).max())

@@ -1,23 +1,26 @@
 """Checks of a case that need its geometry: faults, warnings, and facts for `parisph check`."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import rounded_down
+from parisph.case import breadth_checks
 from parisph.case.absorb import Relaxation
 from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
 from parisph.case.motion import AtRest, Rotation, course
+from parisph.case.scene import Scene
 from parisph.case.scenery import body_names, fluid_names
-from parisph.case.schema import Case
+from parisph.case.sections import sections
 from parisph.case.shapes import Box, Polygon, Tank
 from parisph.geometry import feasible, probe_places
-from parisph.geometry.build import counts, domain, fillings, has_surface, volume
+from parisph.geometry.build import counts, domain, fillings, has_surface, scene_mesh, volume
+from parisph.geometry.by_sections import said
 from parisph.geometry.columns import beds
 from parisph.geometry.distance import nearest
 from parisph.geometry.encounters import Encounter, encounters
@@ -42,7 +45,7 @@ class Facts:
 
     elements : number of wall elements; gap : the least distance across fluid [m], inf without one; between : its two
     bodies; wedge : the sharpest corner of the fluid [degrees], 180 without one; volume : exact, of all fluid at the
-    start [m2]; lattice : the sum of its particles' cells [m2]
+    start [m^dim]; lattice : the sum of its particles' cells [m^dim]
     """
 
     elements: int
@@ -53,47 +56,78 @@ class Facts:
     lattice: float
 
 
-def check(case: Case) -> None:
+def check(case: Scene) -> None:
     """Raise CaseError if the geometry of a case cannot be computed, with one line for each fault. Not collective."""
     if found := faults(case):
         raise CaseError(first_lines(found))
 
 
-def faults(case: Case) -> list[str]:
-    """Return the faults of a scene that cannot be computed, one line each with a remedy."""
+def faults(case: Scene) -> list[str]:
+    """Return the faults of a scene that cannot be computed, one line each with a remedy.
+
+    In 3D they are those of its sections.
+    """
+    if case.dim == 3:
+        return said(case, _faults) or [*_few(case), *probe_places.faults(case, ())]
+    return _faults(case)
+
+
+def _faults(case: Scene) -> list[str]:
+    """Return the faults of a 2D scene, which may be a section without fluid."""
     try:
         walls = standing(case)
     except CaseError as error:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                              [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
-    return found or [*_few(case), *_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
-                     *_depths(case, walls)]
+    if found or not case.fluids:
+        return found or [*_reached(case, walls)]
+    return [*_few(case), *_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
+            *_depths(case, walls)]
 
 
-def warnings(case: Case) -> list[str]:
-    """Return what will be computed with larger errors, and advice on the spacing."""
+def warnings(case: Scene) -> list[str]:
+    """Return what will be computed with larger errors, and advice on the spacing. In 3D it is that of its sections."""
+    return breadth_checks.warnings(case) + said(case, _warnings) if case.dim == 3 else _warnings(case)
+
+
+def _warnings(case: Scene) -> list[str]:
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = [*feasible.warnings(walls, shapes, case.numerics.spacing), *_stepped(case, walls)] if walls else []
     return [*own, *_filled(case), *_neared(case, walls), *_advice(case)]
 
 
-def facts(case: Case) -> Facts | None:
-    """Return the Facts of a scene with walls, None for others."""
+def facts(case: Scene) -> Facts | None:
+    """Return the Facts of a scene with walls, None for others. Gaps and wedges of a 3D scene are in its sections."""
+    if case.dim == 2 or not case.bodies:
+        return _facts(case)
+    found = [known for _, _, scene in sections(case) if (known := _facts(scene)) is not None]
+    gap, wedge = min(found, key=lambda known: known.gap), min(known.wedge for known in found)
+    mesh = scene_mesh(case)
+    return replace(gap, elements=0 if mesh is None else len(mesh.elements), wedge=wedge, volume=volume(case),
+                   lattice=_lattice(case))
+
+
+def _lattice(case: Scene) -> float:
+    """Return the sum of the cells of all fluid particles on their lattices [m^dim]."""
+    return sum(fill.count * float(fill.step.prod()) for fill in fillings(case))
+
+
+def _facts(case: Scene) -> Facts | None:
+    """Return the Facts of a 2D scene, which may be a section without fluid."""
     walls, s = standing(case), case.numerics.spacing
     if not walls:
         return None
     mesh, chains = wall_mesh(walls, s), chains_of(walls, s)
     gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains), walls)
     names = [body.name for body in mesh.bodies]
-    fills = fillings(case)
-    lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
-    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case), lattice)
+    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case),
+                 _lattice(case))
 
 
-def _filled(case: Case) -> Iterator[str]:
+def _filled(case: Scene) -> Iterator[str]:
     """Fluid too narrow for particles, which a solid replaces; a line for each pair of bodies."""
     walls, s = given(case), case.numerics.spacing
     wedges: dict[tuple[int, ...], list[Tip]] = {}
@@ -118,7 +152,7 @@ def _names(walls: tuple[Wall, ...], pair: tuple[int, ...]) -> str:
     return "walls, " + " and ".join(walls[number].name for number in pair)
 
 
-def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+def _reached(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Walls that move into others."""
     for met in _met(walls, case):
         if met.distance == 0.0:
@@ -131,7 +165,7 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
                    "same motion")
 
 
-def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
+def _room_behind(case: Scene, walls: tuple[Wall, ...], met: Encounter) -> str:
     """Return where a tank or a bed must begin or end to leave room behind a wavemaker that reaches it."""
     face, s = walls[met.one], case.numerics.spacing
     maker, other = (case.bodies[number] if number < len(case.bodies) else None for number in (met.one, met.other))
@@ -154,7 +188,7 @@ def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
             f"{bottom:g})), ")
 
 
-def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+def _neared(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Walls that move and leave too little room for fluid."""
     s = case.numerics.spacing
     for met in _met(walls, case):
@@ -167,18 +201,18 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
                    f"{rounded_down(met.distance / feasible.GAP)}")
 
 
-def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
+def _met(walls: tuple[Wall, ...], case: Scene) -> tuple[Encounter, ...]:
     return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
 
 
-def _few(case: Case) -> Iterator[str]:
+def _few(case: Scene) -> Iterator[str]:
     count = counts(case)["fluid"]
     if count < LEAST:
         yield (f"numerics.spacing = {case.numerics.spacing:g}: leaves {count} fluid particles, at least {LEAST} are "
                "needed; use a smaller spacing")
 
 
-def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+def _full(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Tanks filled up to the lid by other fluid than StillWater: they do not count as closed."""
     tank, s = case.tank, case.numerics.spacing
     if tank is None or case.closed or case.lone_tank is not None or not _at_lid(case):
@@ -190,34 +224,41 @@ def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
                f"{s:g} m")
 
 
-def _at_lid(case: Case, within: float = 1.0) -> bool:
+def _at_lid(case: Scene, within: float = 1.0) -> bool:
     tank = case.tank
     return tank is not None and tank.closed and (
         case.fluid_bounds[1][1] > tank.bounds[1][1] - within * case.numerics.spacing)
 
 
-def _air(case: Case, walls: tuple[Wall, ...]) -> float:
+def _air(case: Scene, walls: tuple[Wall, ...]) -> float:
     """Return the mean thickness [m] of the air in a tank."""
     assert case.tank is not None
     full = Filling(StillWater(level=float(case.tank.bounds[1][1])), walls, case.numerics.spacing)
     return (fluid_area(full, *domain(case)) - volume(case)) / case.tank.width
 
 
-def airless(case: Case) -> Iterator[str]:
+def airless(case: Scene) -> Iterator[str]:
     """Yield a warning of fluid without a surface, or with little air, in a scene that does not count as closed."""
+    if case.dim == 3:
+        yield from [] if case.closed else said(case, lambda scene: _airless(scene) if scene.fluids else ())
+    else:
+        yield from _airless(case)
+
+
+def _airless(case: Scene) -> Iterator[str]:
     s = case.numerics.spacing
     if case.closed or not _at_lid(case, AIR):
         return
     if _at_lid(case) and not has_surface(case):
         yield ("no fluid particle is on a free surface, so that p = 0 is set only at the highest one; leave a spacing "
                "of air below the lid, or fill the tank with StillWater")
-    elif case.dim == 2 and (air := _air(case, standing(case))) < (1.0 - FIT) * AIR * s:
+    elif (air := _air(case, standing(case))) < (1.0 - FIT) * AIR * s:
         yield (f"fluid: the air below the lid is {air:.3g} m thick in the mean, {air / s:.3g} spacings; with less than "
                f"{AIR:g}, water that reaches the lid pushes the tank as if it were half a spacing deeper; use a "
                f"spacing of at most {rounded_down(air / AIR)}")
 
 
-def _stepped(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+def _stepped(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Polygons whose surface does not lie on the lattice, so that it starts below where the user puts it."""
     s, corners = case.numerics.spacing, wall_mesh(walls, case.numerics.spacing).corners()
     for (name, fluid), fill in zip(fluid_names(case), fillings(case)):
@@ -234,7 +275,7 @@ def _stepped(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
                    "give the elevation of a Box or of StillWater instead, or use a smaller spacing")
 
 
-def _advice(case: Case) -> Iterator[str]:
+def _advice(case: Scene) -> Iterator[str]:
     """Boxes with edges that are not a whole number of spacings long, whose lattice is stretched."""
     s = case.numerics.spacing
     for name, fluid in fluid_names(case):
@@ -247,7 +288,7 @@ def _advice(case: Case) -> Iterator[str]:
                        f"{step:.3g} m apart, not {s:g}; a spacing of {step:.6g} divides it")
 
 
-def _depths(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+def _depths(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Waves that wavemakers and zones make in water of another depth."""
     for name, maker, face in zip(body_names(case.bodies), case.bodies, walls):
         if isinstance(maker, (Piston, Flap)) and isinstance(face, Profile) and maker.wave is not None:
@@ -263,7 +304,7 @@ def _depths(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
             yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
 
 
-def _depth(case: Case, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
+def _depth(case: Scene, where: str, depth: float, x: Floats, bed: Floats, level: float | None) -> Iterator[str]:
     """Compare the depth of a wave with the depths of the water at places x (n,) above beds (n,) [m]."""
     if level is None:
         boxes = [case.bounds_of(fluid) for fluid in case.fluids]

@@ -37,8 +37,8 @@ def pair_collisions(change: np.ndarray, cloud: Cloud, number: np.ndarray, u: np.
 
     The approach is the smaller of d . (u_i - u_j) and its excess over a linear velocity, d . (u_i - u_j) + d . (g_i +
     g_j) d/2, with d = x_j - x_i. Smooth strain thus causes no collisions. Each impulse is divided by the larger
-    `number` of the pair. Momentum is conserved for masses in proportion to the volumes. Energy does not rise if no mass
-    exceeds 1/(1 + restitution) of the pair. All impulses use the velocities before the collisions, so that the result
+    `number` of the pair. Momentum is conserved for masses in proportion to the volumes. Energy does not rise, whatever
+    the masses: each pair loses energy alone, and the change of a particle is a mean of those by its pairs. All impulses use the velocities before the collisions, so that the result
     is independent of the order of pairs and of ranks.
 
     change : (n_owned, dim) output [m/s]; number : (n_all,) of count_collisions

@@ -29,6 +29,9 @@ from parisph.kernels.surface import lattice_sum
 ENTRIES = 1024    # table length
 ORDER = 5         # of the polynomial of the end correction
 GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with the weights 8/9 and 5/9
+# six points of a triangle, exact up to the fourth degree (Dunavant 1985): coordinates of two corners, and weights
+OF_SIDES, NEAR_SIDES = 0.445948490915965, 0.223381589678011
+OF_CORNERS, NEAR_CORNERS = 0.091576213509771, 0.109951743655322
 
 
 class KernelTable(NamedTuple):
@@ -275,16 +278,16 @@ def _behind_triangle(pull, i, x, e, corners, table):
     if not 1e-9 * table.h < height < 2.0 * table.h:
         return 0.0
     mean, weights = 0.0, 0.0
-    for c in range(3):    # three inner points, weighted by solid angle
+    for q in range(6):    # weighted by solid angle
         r2 = 0.0
         for a in range(3):
-            r2 += (_inside(e, c, a, corners) - x[i, a]) ** 2
+            r2 += (_inside(e, q, a, corners) - x[i, a]) ** 2
         r = math.sqrt(r2)
-        part = 1.0 / (r2 * r)
+        part = (NEAR_SIDES if q < 3 else NEAR_CORNERS) / (r2 * r)
         mean += _entry(table, 0, r) * part
         weights += part
         for a in range(3):
-            pull[a] += _entry(table, 3, r) * part * (_inside(e, c, a, corners) - x[i, a]) / r
+            pull[a] += _entry(table, 3, r) * part * (_inside(e, q, a, corners) - x[i, a]) / r
     angle = _solid_angle(i, x, e, corners)
     for a in range(3):
         pull[a] *= angle / weights
@@ -292,9 +295,11 @@ def _behind_triangle(pull, i, x, e, corners, table):
 
 
 @inlined
-def _inside(e, c, a, corners):
-    """Return coordinate a of the point half way from a triangle's centroid to corner c."""
-    return 0.5 * corners[e, c, a] + (corners[e, 0, a] + corners[e, 1, a] + corners[e, 2, a]) / 6.0
+def _inside(e, q, a, corners):
+    """Return coordinate a of the point number q of a triangle: opposite to a corner, near a side, or near a corner."""
+    c, others = q % 3, OF_SIDES if q < 3 else OF_CORNERS
+    total = corners[e, 0, a] + corners[e, 1, a] + corners[e, 2, a]
+    return others * total + (1.0 - 3.0 * others) * corners[e, c, a]
 
 
 @inlined

@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
+from parisph.kernels.edges import edge_direction
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import invert, pair_weight
@@ -268,7 +269,10 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
     The tangential part is the value at the wall of a linear fit through the fluid within the radius. ACROSS radius^2,
     added to the variance of the distances, damps the slope across the wall: an undamped fit through one or two layers
     amplifies their disorder. The known part of the slope, the shear of irrotational flow beside a rotating wall, is not
-    damped. Corners move with the wall.
+    damped.
+
+    Fluid slips along edges of 3D, too: the part along the edge is the weighted mean of the fluid. What is left at all
+    edges of 2D, and in corners where three walls meet, is the velocity of the wall.
 
     u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
     shear : (n_owned, dim) [1/s], change of the tangential part per distance from the wall; radius : of the weight [m]
@@ -280,8 +284,12 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
             continue
         for a in range(dim):
             u[i, a] = wall_u[i, a]
-        if not (cloud.corner[i] or outside(cloud.role[i])):
+        if outside(cloud.role[i]):
+            continue
+        if not cloud.corner[i]:
             _extrapolate(u, i, cloud, wall_u, shear, work, radius * radius)
+        elif dim == 3 and edge_direction(work[2], i, cloud):
+            _slip_along(u, work[2], i, cloud, wall_u, radius * radius)
 
 
 @kernel
@@ -346,6 +354,22 @@ def _extrapolate(u, i, cloud, wall_u, shear, work, radius2):
             slip += (u[j, a] - wall_u[i, a]) * normal[i, a]
         for a in range(dim):
             u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a] - y * shear[i, a])
+
+
+@subkernel
+def _slip_along(u, along, i, cloud, wall_u, radius2):
+    """Add the mean velocity of the fluid along an edge, relative to the wall."""
+    total, slip = 0.0, 0.0
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
+        if cloud.kind[j] != WALL:
+            w, _ = pair_weight(i, j, cloud.x, radius2, 0, cloud.axes)
+            total += w
+            for a in range(len(cloud.axes)):
+                slip += w * (u[j, a] - wall_u[i, a]) * along[a]
+    if total > 0.0:
+        for a in range(len(cloud.axes)):
+            u[i, a] += slip / total * along[a]
 
 
 @subkernel

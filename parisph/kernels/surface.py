@@ -1,8 +1,8 @@
 """Divergence of position, and the particles on the free surface.
 
-The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density ratio and the
-divergence of position work in any dimension. The caller gives walls that do not touch the fluid (wetness.py) the kind
-ABSENT, so that they are not neighbours.
+The gap rule and the auxiliary functions divide the plane into angles and work in 2D only (in 3D: kernels.cone). The
+density ratio and the divergence of position work in any dimension. The caller gives walls that do not touch the fluid
+(wetness.py) the kind ABSENT, so that they are not neighbours.
 """
 
 import math

@@ -16,7 +16,9 @@ FULL = 0.86     # tuned 0.81 to 0.99: part of a cell above which a particle repr
 # in spacings
 THIN = 0.3      # tuned 0.15 to 0.6: least distance of the last two layers; judged
 THICK = 1.5     # tuned 1 to 3: largest distance of the last two layers; judged
-FIRST, SECOND = 1.05, 2.3    # coefficients of a parabola for this distance, fitted on lattices (`_layer`)
+# coefficients of a parabola for this distance, fitted on lattices (`_layer`)
+FIRST, SECOND = 1.05, 2.3
+FIRST_3D, SECOND_3D = 0.9, 2.2
 LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
 
 
@@ -66,7 +68,7 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
         for a in range(dim):
             depth += (mean[a] / total) ** 2
         depth = math.sqrt(depth)
-        outside *= _layer(depth / spacing)
+        outside *= _layer(depth / spacing, cloud.axes)
         depth = max(depth, LEAST * spacing)
         for k in range(first, first + n):
             values[k] *= outside / ((outside + depth) * total)
@@ -84,14 +86,15 @@ def _filled(i, cells):
 
 
 @inlined
-def _layer(depth):
+def _layer(depth, axes):
     """Return the distance of the last two layers, in spacings, from the mean depth of the inner neighbours.
 
-    Exact within 0.03 on the lattice and on compressed ones. Where layers are more than a spacing apart, only the next
-    one is within the radius.
+    Exact within 0.03 on the lattice and on compressed ones, that widen in one direction or in both. Where layers are
+    more than a spacing apart, only the next one is within the radius.
     """
     missing = max(1.0 - depth, 0.0)
-    return min(max(max(depth, 1.0) - missing * (FIRST + SECOND * missing), THIN), THICK)
+    first, second = (FIRST, SECOND) if len(axes) == 2 else (FIRST_3D, SECOND_3D)
+    return min(max(max(depth, 1.0) - missing * (first + second * missing), THIN), THICK)
 
 
 @inlined

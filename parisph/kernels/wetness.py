@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from parisph.base.fields import ABSENT, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels.halves import LAYER
+from parisph.kernels.edges import edge_direction
+from parisph.kernels.halves import LAYER, deeper
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import element_normal, nearest_point
@@ -111,7 +112,7 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
     """Write the part of each owned wall particle that fluid covers, 0 to 1; fluid gets 1.
 
     covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall. a_ij is 1 for fluid up to
-    LAYER in front of it, and falls to 0 at FAR. The solid behind dry walls completes no kernel sums: above the water
+    LAYER in front of it, and falls to 0 at FAR, in corners of 3D at `deeper` times that. The solid behind dry walls completes no kernel sums: above the water
     line there is no fluid to continue.
     """
     x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
@@ -129,6 +130,7 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
                 away += (x[j, a] - x[i, a]) * normal[i, a]
                 r2 += (x[j, a] - x[i, a]) ** 2
             along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
+            away /= deeper(cloud.corner[i], cloud.axes)
             if 0.0 < away < FAR * spacing and along < 1.0:
                 total += (1.0 - along) * min((FAR - away / spacing) / (FAR - LAYER), 1.0)
         covered[i] = min(total, 1.0)
@@ -214,13 +216,15 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
     """Write which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
     A wet one closes the fluid off (closing_walls), has an inner particle within INSIDE, and has fluid, or beside a
-    corner the other wall, on both sides along the wall. In the corner itself the inner particle is enough. A contact
-    particle is not wet, but has a surface particle beside it. Roles of fluid are read, those of owned walls written.
+    corner the other wall, on both sides along the wall. In the corner itself the inner particle is enough, and on an
+    edge of 3D fluid or another wall on both sides along the edge. A contact particle is not wet, but has a surface
+    particle beside it. Roles of fluid are read, those of owned walls written.
 
     closing : (n_all,) of `closing_walls`
     """
     x, kind, role, normal, spacing = cloud.x, cloud.kind, cloud.role, cloud.normal, cloud.spacing
     indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
+    edge = np.empty(dim)
     for i in range(len(indptr) - 1):
         if kind[i] != WALL:
             continue
@@ -237,7 +241,12 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
             inner |= role[j] == INNER and r2 < (INSIDE * spacing) ** 2
             beside |= (role[j] == SURFACE and 0.0 < away < LAYER * spacing
                        and r2 - away * away < (STANDS * spacing) ** 2)
-        if inner and closing[i] == CLOSING and (cloud.corner[i] or _covered_on_both_sides(i, closing, CLOSING, cloud)):
+        wet = inner and closing[i] == CLOSING
+        if wet and not cloud.corner[i]:
+            wet = _covered_on_both_sides(i, closing, CLOSING, cloud)
+        elif wet and dim == 3 and edge_direction(edge, i, cloud):
+            wet = _covered_along(i, edge, closing, CLOSING, cloud)
+        if wet:
             role[i] = WET
         else:
             role[i] = CONTACT if beside else DRY
@@ -267,3 +276,20 @@ def _covered_on_both_sides(i, closing, least, cloud):
         if not (ahead and behind):
             return False
     return True
+
+
+@subkernel
+def _covered_along(i, edge, closing, least, cloud):
+    """Return the same for both sides along an edge, of the direction `edge` (3,)."""
+    ahead, behind = False, False
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
+        along, facing = 0.0, 0.0
+        for a in range(3):
+            along += (cloud.x[j, a] - cloud.x[i, a]) * edge[a]
+            facing += cloud.normal[j, a] * edge[a]
+        covers = (cloud.kind[j] == FLUID or (closing[j] >= least and along * facing < -FACES * abs(along)
+                                             and abs(along) < NEXT * cloud.spacing))
+        ahead |= covers and along > BOTH * cloud.spacing
+        behind |= covers and along < -BOTH * cloud.spacing
+    return ahead and behind

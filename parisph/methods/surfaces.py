@@ -1,12 +1,14 @@
 """Rules for the free surface and the wet walls."""
 
+import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.base.arrays import Array
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WET
-from parisph.kernels import gradient, halves, surface, wetness
+from parisph.kernels import cone, gradient, halves, surface, wetness
 from parisph.methods import lengths
 from parisph.methods.parts import GRADIENTS, SURFACES, Surface
 
@@ -18,6 +20,8 @@ GAP = surface.Gap(
     leave=1.4,    # tuned 0.7 to 2.3: angle below which it leaves the surface; judged
     thin=0.55,    # tuned 0.275 to 1: density ratio below which a particle is on the surface; judged
 )
+ENTER = 60.0    # tuned 50 to 80: half angle [degrees] of a free cone above which a particle joins the surface; measured
+LEAVE = 42.0    # tuned 30 to 55: half angle [degrees] of a free cone below which it leaves the surface; measured
 REGAIN = 1.5    # tuned 1 to 3: floor at which free flight on a frozen surface ends, over that of the gradient; judged
 
 
@@ -78,17 +82,24 @@ class Frozen(Surface):
             gradient.regain_role(p.start_role, flow.cloud, form._replace(floor=REGAIN * form.floor))
 
 
+@lru_cache(maxsize=1)
+def free_cone() -> cone.Cone:
+    """Return the gap rule in 3D. Cached, as its tables take some milliseconds."""
+    return cone.cone(math.radians(ENTER), math.radians(LEAVE), GAP.thin)
+
+
 class AngularGap(Surface):
-    """The largest angular gap between neighbours, with hysteresis."""
+    """The largest angular gap between neighbours, in 3D the widest cone without any, with hysteresis."""
 
     name, reach, fields = "gap", lengths.SURFACE_GAP, ("closing", "alpha")
-    dims = (2,)
 
     def find(self, flow: "Flow", seen: Array) -> None:
-        p = flow.particles
-        surface.surface_by_gap(p.role_all, p.role_all.copy(), flow.cloud._replace(kind=seen),
-                               flow.walls.present(flow, wetness.CLOSING), p.alpha, lengths.SURFACE_GAP * flow.spacing,
-                               GAP)
+        p, radius = flow.particles, lengths.SURFACE_GAP * flow.spacing
+        around = flow.cloud._replace(kind=seen), flow.walls.present(flow, wetness.CLOSING), p.alpha, radius
+        if p.dim == 2:
+            surface.surface_by_gap(p.role_all, p.role_all.copy(), *around, GAP)
+        else:
+            cone.surface_by_cone(p.role_all, p.role_all.copy(), *around, free_cone())
 
 
 class Auxiliary(Surface):

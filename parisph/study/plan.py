@@ -83,7 +83,7 @@ class PlannedRun(Combination):
         numerics = self.case.numerics.resolved()
         particles = size.counts(self.case)["all"]
         steps = estimate.estimated_steps(self.case, numerics, scales.expected(self.case))
-        seconds, basis = cost.seconds_per_step(numerics, particles)
+        seconds, basis = cost.seconds_per_step(numerics, particles, self.case.dim)
         return {"particles": particles, "steps": steps, "seconds": steps * seconds, "basis": basis}
 
 

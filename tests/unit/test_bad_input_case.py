@@ -6,6 +6,7 @@ import time
 import pytest
 
 from parisph import Case, CaseError, ColumnHeight, Energy, Fluid, Numerics, Output, PressureTap, SurfaceGauge
+from parisph.case.bodies import Obstacle, Profile
 from parisph.case.motion import Sway, Tabulated
 from parisph.case.shapes import Box, Disc, Polygon, Tank
 from parisph.case.truths import Truth
@@ -41,7 +42,7 @@ def numerics(**changes):
     (lambda: Box("wide", 1.0), "Box.width = 'wide': must be a number"),
     (lambda: Box(1.0), "Box.height is missing: give a length"),
     (lambda: Box(1.0, 1.0, (1.0,)), "Box.at = .*: must be at least 2 values, not 1"),
-    (lambda: Box(1.0, 1.0, (1.0, 2.0), 3.0), "Box takes at most 3 values by position .*, got 4"),
+    (lambda: Box(1.0, 1.0, (1.0, 2.0), 3.0, 4.0), "Box takes at most 4 values by position .*, got 5"),
     (lambda: Box(1.0, width=1.0), "Box.width is given twice"),
     (lambda: Disc(0.0), "Disc.radius = 0.0: must be greater than 0"),
     (lambda: Tank(1.0, 1.0, lit=True), r"Tank has no field 'lit'; did you mean 'lid'\?"),
@@ -49,10 +50,14 @@ def numerics(**changes):
     (lambda: Polygon(((0, 0), (1, 0), (2, 0))), "enclose no area"),
     # three dimensions
     (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "Polygon.points: every corner must have two coordinates .x, "
-                                                         "y.: scenes are 2D so far"),
-    (lambda: Box(1.0, 1.0, (0.0, 0.0, 0.0)), "Box.at: .* has three components: scenes are 2D so far, give .x, y."),
-    (lambda: Disc(1.0, (0.0, 0.0, 0.0)), "Disc.at: .* scenes are 2D so far"),
-    (lambda: Tank(2.0, 2.0, at=(0.0, 0.0, 0.0)), "Tank.at: .* scenes are 2D so far"),
+     "y., in 3D .x, z.: a Polygon is then a prism with the ends across=.ya, yb."),
+    (lambda: Box(1.0, 1.0, (0.0, 2.0, 0.5)), "at = .* has three components, .* give breadth=, or at=.0.0, 0.5. in the"),
+    (lambda: Disc(1.0, (0.0, 0.0, 0.0)), "Disc.at: .* a Disc in 3D is a cylinder across the scene; .* across=.ya, yb."),
+    (lambda: Tank(2.0, 2.0, at=(0.0, 0.0, 0.0)), "at = .* has three components, .* give breadth="),
+    (lambda: Tank(2.0, 2.0, no_slip=("front",)), "no_slip: a tank in 2D has no wall 'front'; .* give breadth="),
+    (lambda: Disc(1.0, across=(0.5, 0.5)), "Disc.across: .* the first end must be below the second"),
+    (lambda: Profile(((0, 0), (1, 0)), breadth=1.0, across=(0.0, 0.5)), "breadth = 1 and across = .* give one of them"),
+    (lambda: Obstacle(Box(1.0, 1.0, breadth=1.0), across=(0.0, 0.5)), "across = .*: the shape reaches from y = 0 to 1"),
     # values that no field may have
     (lambda: Box(True, 1.0), "Box.width = True: must be a number"),
     (lambda: Box("1.0", 1.0), "Box.width = '1.0': must be a number"),
@@ -78,7 +83,7 @@ def numerics(**changes):
     (lambda: fluid(velocity=("q", 0.0)), "velocity: unknown name 'q' in 'q'; known are x, y, pi"),
     (lambda: fluid(velocity=("t", 0.0)), "velocity: unknown name 't'"),
     (lambda: fluid(velocity=(math.nan, 0.0)), r"Fluid.velocity\[0\] = nan: must be a finite number"),
-    (lambda: fluid(elevation="y"), "elevation: unknown name 'y'"),
+    (lambda: fluid(elevation="z"), "elevation: unknown name 'z'"),
     (lambda: fluid(shape=Disc(1.0), elevation=0.1), "only a Box or StillWater has a top to raise"),
     # numerics and output
     (lambda: numerics(spacing=0.0), "Numerics.spacing = 0.0: must be greater than 0"),

@@ -236,8 +236,32 @@ def test_wall_velocity_has_the_walls_normal_part_and_the_fluids_tangential_part(
     n = pool.normal
     along = ((wall_u - flow) * n).sum(axis=1)[:, None] * n + flow
     np.testing.assert_allclose(out[flat], along[flat], atol=1e-12)
-    others = (pool.kind == WALL) & ~flat  # corners, and the contact line: in no stencil
+    planes = ((pool.index == 0) | ((pool.index == pool.top) & (np.arange(dim) < dim - 1))).sum(axis=1)
+    edges = (pool.role == WET) & (planes == 2) & (dim == 3)    # fluid slips along them
+    free_axis = np.abs(n) < 1e-9
+    np.testing.assert_allclose(out[edges], np.where(free_axis, flow, wall_u)[edges], atol=1e-12)
+    assert dim == 2 or edges.sum() > 20
+    others = (pool.kind == WALL) & ~flat & ~edges  # corners, and the contact line: in no stencil
     np.testing.assert_array_equal(out[others], wall_u[others])
+
+
+@pytest.mark.parametrize("degrees", [10.0, 30.0, 90.0, 150.0])
+def test_fluid_slips_along_an_edge_of_any_angle_and_direction(degrees):
+    """A node on a slanting edge, with further ones beside it. Those of a third wall, or of another edge, do not count."""
+    turn, flow = np.radians(degrees), np.array([1.0, 2.0, -3.0])
+    along, first, side = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    second = np.cos(turn) * first + np.sin(turn) * side
+    fluid = np.random.default_rng(3).normal(size=(40, 3))
+    edge = [(0.0 * along, first + second, 1), (along, first + second, 1), (-1.1 * along, first + second, 1)]
+    further = [(1.3 * np.cross(along, first), first, 0), (along + first + second, first + second, 1)]
+    for wall, slips in ((edge[:1], False), (edge[:2], True), (edge + further, True)):
+        pool = free(np.vstack([*(place for place, _, _ in wall), fluid]))
+        n = len(wall)
+        pool.kind[:n], pool.role[:n], pool.corner[:n] = WALL, WET, [corner for _, _, corner in wall]
+        pool.normal[:n] = [normal / np.linalg.norm(normal) for _, normal, _ in wall]
+        wall_u = np.tile([0.3, 0.2, 0.1], (pool.n, 1))
+        out = moved_walls(pool, np.where(pool.fluid[:, None], flow, np.nan), wall_u)
+        np.testing.assert_allclose(out[0], wall_u[0] + slips * ((flow - wall_u[0]) @ along) * along, atol=1e-12)
 
 
 @dims

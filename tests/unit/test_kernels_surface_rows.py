@@ -50,11 +50,19 @@ def test_pressure_linear_in_depth_is_zero_at_the_offset(dim, offset):
 @pytest.mark.parametrize("stretch", [0.67, 0.8, 1.2, 1.5])
 def test_the_offset_follows_the_distance_of_the_layers(stretch):
     """A lattice that is stretched along the surface, or pushed together, with cells of the same area."""
-    assert offset_of(stretch) == pytest.approx(0.5 / stretch, rel=0.015)
+    assert offset_of(stretch, 1.0 / stretch) == pytest.approx(0.5 / stretch, rel=0.015)
+
+
+@pytest.mark.parametrize("layers", [0.5, 0.7, 0.85, 1.2, 1.4])
+@pytest.mark.parametrize("planar", [False, True])
+def test_the_offset_follows_the_distance_of_the_layers_in_3d(layers, planar):
+    """The same for a lattice that widens in one direction along the surface, or in both."""
+    wide = (1.0 / layers, 1.0) if planar else (layers**-0.5,) * 2
+    assert offset_of(*wide, layers) == pytest.approx(0.5 * layers, abs=0.01)
 
 
 def test_the_offset_has_limits():
-    assert offset_of(0.5) == pytest.approx(0.5 * 1.5, rel=1e-12)
+    assert offset_of(0.5, 2.0) == pytest.approx(0.5 * 1.5, rel=1e-12)
     pool, i = flat_surface(2)
     pool.x[:] = pool.x[i] + (pool.x - pool.x[i]) * (4.0, 0.25)
     count, _, values = rows(pool)
@@ -62,10 +70,11 @@ def test_the_offset_has_limits():
     assert values[pool.indptr[i]:pool.indptr[i] + count[i]].sum() == pytest.approx(a / (a + depth), rel=1e-12)
 
 
-def offset_of(stretch):
+def offset_of(*stretches):
     """Return the distance from the surface particle of a stretched lattice to p = 0, in spacings."""
-    pool, i = flat_surface(2)
-    pool.x[:] = pool.x[i] + (pool.x - pool.x[i]) * (stretch, 1.0 / stretch)
+    pool, i = flat_surface(len(stretches))
+    pool.x[:] = pool.x[i] + (pool.x - pool.x[i]) * stretches
+    pool.relist()
     return outside(pool, i, rows(pool)) / pool.spacing
 
 

@@ -57,15 +57,16 @@ def test_a_roll_has_an_amplitude_and_understands_its_angle():
     (lambda: Sway(0.1, period="2"), "Sway.period = '2': must be a number"),
     (lambda: Sway(0.1, 3.0, stroke=0.2, omega=3.0), "give amplitude, half of the stroke; give frequency "
      "[rad/s] or period [s]"),
-    (lambda: Box(1.0, 1.0, depth=2.0, breadth=1.0), "Box has no fields 'depth', 'breadth'; scenes are 2D, x across and "
-     "y up, and forces are per metre of breadth (its fields: width, height, at)"),
+    (lambda: Box(1.0, 1.0, depth=2.0, breadth=1.0), "Box has no field 'depth'; a Tank(..., breadth=) or "
+     "Profile(..., breadth=) makes a scene 3D, with z up, and other bodies have ends across=(ya, yb); without one it "
+     "is 2D, y is up, and forces are per metre of breadth (its fields: width, height, at, breadth)"),
     (lambda: Obstacle(Box(1.0, 1.0), density=500.0, mass=3.0), "Obstacle has no fields 'density', 'mass'; bodies move "
-     "only as given, by motion=, and none floats (its fields: shape, name, slip, motion)"),
+     "only as given, by motion=, and none floats (its fields: shape, name, slip, motion, across)"),
     (lambda: Plain(colour=1, kapa=2, sede=3), "Numerics has no fields 'colour', 'kapa', 'sede'; did you mean 'kappa', "
      "'seed'?"),
     (lambda: Case(**{**GOOD, "gravity": 9.81}), "Case.gravity: must have two components (x, y) [m/s2], of which y "
      "points up, not 9.81; write gravity=(0, -9.81)"),
-    (lambda: Case(**{**GOOD, "gravity": (-9.81,)}), "must have 2 components, as the fluid's shape has; y points up, as "
+    (lambda: Case(**{**GOOD, "gravity": (-9.81,)}), "must have 2 components, as the scene is 2D; y points up, as "
      "in gravity=(0, -9.81)"),
     (lambda: Case(**{**GOOD, "fluid": Fluid(Box(3.0, 0.5), 1000.0)}), "or give StillWater(level=0.5), which fills wh"),
 ])

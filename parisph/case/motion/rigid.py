@@ -2,6 +2,8 @@
 
 A motion moves the tank, in whose frame the flow is computed, or a wall in the frame of the scene. Motions are data, so
 a stored run can continue without its script. Angles are positive anticlockwise [rad].
+
+In 3D a direction of two components (a, b) is one of the section, (a, 0, b), and bodies turn in the section (x, z).
 """
 
 from abc import abstractmethod
@@ -28,18 +30,20 @@ def _not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
 
 Direction = Annotated[
     tuple[float, ...],
-    Field(min_length=2, max_length=3, description="direction (x, y) of the motion"),
+    Field(min_length=2, max_length=3, description="direction of the motion, (x, y), in 3D (x, y, z) or (x, z)"),
     AfterValidator(_not_zero),
 ]
 Centre = Annotated[
-    tuple[float, ...], Field(min_length=2, max_length=2, description="centre (x, y) of the rotation [m]")
+    tuple[float, ...], Field(min_length=2, max_length=2, description="centre (x, y) of the rotation, in 3D (x, z) [m]")
 ]
 
 
 @lru_cache(maxsize=64)    # called several times in each step
-def _unit_vector(direction: tuple[float, ...]) -> Floats:
+def _unit_vector(direction: tuple[float, ...], dim: int) -> Floats:
     """Return the read-only unit vector (dim,) of a nonzero direction."""
     unit: Floats = np.array(direction) / float(np.linalg.norm(direction))
+    if len(unit) < dim:
+        unit = np.insert(unit, 1, 0.0)
     unit.flags.writeable = False
     return unit
 
@@ -111,21 +115,22 @@ class Translation(Motion):
         @property
         def direction(self) -> tuple[float, ...]: ...
 
-    def _along(self, value: float) -> Floats:
-        return _unit_vector(self.direction) * value
+    def _along(self, value: float, x: Floats) -> Floats:
+        """Return the vector (dim,) of a length `value`. x : points (n, dim)"""
+        return _unit_vector(self.direction, np.shape(x)[-1]) * value
 
     def placed_by(self, x: Floats, value: float) -> Floats:
-        return x + self._along(value)
+        return x + self._along(value, x)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
         """See Motion: unchanged."""
         return vectors
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
-        return np.broadcast_to(self._along(self.law(t)[1]), np.shape(x))
+        return np.broadcast_to(self._along(self.law(t)[1], x), np.shape(x))
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
-        return np.broadcast_to(self._along(self.law(t)[2]), np.shape(x))
+        return np.broadcast_to(self._along(self.law(t)[2], x), np.shape(x))
 
     def seen(self, vectors: Floats, t: float) -> Floats:
         return vectors
@@ -135,31 +140,42 @@ class Translation(Motion):
 
 
 class Rotation(Motion):
-    """A rotation in the plane about a fixed `centre`, a field of each subclass."""
+    """A rotation in the plane, in 3D that of the section, about a fixed `centre`, a field of each subclass."""
 
     if TYPE_CHECKING:    # see Translation
         @property
         def centre(self) -> tuple[float, ...]: ...
 
     def placed_by(self, x: Floats, value: float) -> Floats:
-        return self.centre + rotated(np.asarray(x) - self.centre, value)
+        return self._on_axis(x) + rotated(self._from_axis(x), value)
+
+    def _on_axis(self, x: Floats) -> Floats:
+        """Return the centre (dim,) [m]. x : points (n, dim)"""
+        return np.array(self.centre if np.shape(x)[-1] == 2 else (self.centre[0], 0.0, self.centre[1]))
+
+    def _from_axis(self, x: Floats) -> Floats:
+        """Return the vectors (n, dim) [m] from the centre, or from the axis in 3D, to points x (n, dim) [m]."""
+        return np.asarray(x) - self._on_axis(x)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
         return rotated(vectors, self.law(t)[0])
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
-        return self.law(t)[1] * quarter(np.asarray(x) - self.centre)
+        return self.law(t)[1] * quarter(self._from_axis(x))
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
         _, rate, second = self.law(t)
-        arm = np.asarray(x) - self.centre
+        arm = self._from_axis(x)
+        if arm.shape[-1] == 3:
+            arm[..., 1] = 0.0    # along the axis
         return second * quarter(arm) - rate**2 * arm
 
     def seen(self, vectors: Floats, t: float) -> Floats:
         return rotated(vectors, -self.law(t)[0])
 
     def top_speed(self, lower: Floats, upper: Floats) -> float:
-        arm = np.maximum(np.abs(np.asarray(lower) - self.centre), np.abs(np.asarray(upper) - self.centre))
+        low, high = (np.asarray(corner)[[0, -1]] for corner in (lower, upper))
+        arm = np.maximum(np.abs(low - self.centre), np.abs(high - self.centre))
         return self.top_rate * float(np.linalg.norm(arm))
 
 
@@ -179,13 +195,20 @@ def course(motion: Motion, stop: float) -> tuple[Floats, Floats]:
 
 
 def rotated(vectors: Floats, angle: float) -> Floats:
-    """Return vectors (n, 2) turned anticlockwise by an angle [rad]."""
+    """Return vectors (n, dim) turned anticlockwise by an angle [rad], in 3D from x to z."""
     cosine, sine = np.cos(angle), np.sin(angle)
-    turned: Floats = np.asarray(vectors) @ np.array([[cosine, sine], [-sine, cosine]])
+    flat = np.asarray(vectors)
+    if flat.shape[-1] == 3:
+        turned: Floats = flat.copy()
+        turned[..., [0, 2]] = flat[..., [0, 2]] @ np.array([[cosine, sine], [-sine, cosine]])
+        return turned
+    turned = flat @ np.array([[cosine, sine], [-sine, cosine]])
     return turned
 
 
 def quarter(vectors: Floats) -> Floats:
-    """Return vectors (n, 2) turned anticlockwise by a right angle."""
+    """Return vectors (n, dim) turned anticlockwise by a right angle, in 3D from x to z, without their parts along y."""
     vectors = np.asarray(vectors)
+    if vectors.shape[1] == 3:
+        return np.stack([-vectors[:, 2], np.zeros(len(vectors)), vectors[:, 0]], axis=1)
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)

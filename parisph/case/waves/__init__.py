@@ -21,7 +21,7 @@ from parisph.case.waves.sloshing import Sloshing, sway_sloshing_elevation
 from parisph.case.waves.solitary import SolitaryWave
 from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
-from parisph.case.waves.wavefield import WaveField
+from parisph.case.waves.wavefield import WaveField, wave_velocity
 
 __all__ = [
     "Airy",
@@ -41,6 +41,7 @@ __all__ = [
     "standing_wave_velocity",
     "sway_sloshing_elevation",
     "wave_number",
+    "wave_velocity",
 ]
 
 AnyWave = Annotated[

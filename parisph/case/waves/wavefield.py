@@ -76,6 +76,12 @@ class Travelling(WaveField):
         return ahead
 
 
+def wave_velocity(wave: WaveField, x: Floats, bed: float, t: float) -> Floats:
+    """Return the velocity (n, dim) [m/s] of a wave at places x (n, dim) [m] above a bed at a height [m], at t [s]."""
+    u, v = wave.velocity(x[:, 0], x[:, -1] - bed, t)
+    return np.stack([u, v] if x.shape[1] == 2 else [u, np.zeros_like(u), v], axis=1)
+
+
 def no_higher(height: float, most: float, where: str, remedy: str) -> None:
     """Raise ValueError if the height of a wave exceeds `most` [m]; where : meaning of `most`."""
     if not height <= most:

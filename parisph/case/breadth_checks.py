@@ -1,0 +1,130 @@
+"""Checks of what makes a scene 3D: its breadth, the extents of bodies and fluids in it, and its directions."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from parisph.base.text import rounded_down, shown
+from parisph.case.bodies import Body, Profile, motion_of
+from parisph.case.breadth import Spread
+from parisph.case.lattice import FIT
+from parisph.case.motion import Sway, Translation
+from parisph.case.scene import Scene
+from parisph.case.scenery import body_names, fluid_names
+from parisph.case.sections import cuts
+from parisph.case.shapes import Box, Tank
+
+LEAST = 4.0     # spacings of breadth: in a narrower scene all fluid is beside the front or the back
+NARROW = 2.0    # spacings: particles between nearer ends are beside both
+TOGETHER = 0.5  # spacings: no elements fit between nearer ends
+ACROSS = 1e-9   # of a direction: a smaller part along y is rounding
+
+
+def problems(case: Scene) -> list[str]:
+    """Return the problems of the dimensions of a case, one line each."""
+    if case.breadth is None:
+        return [*_without(case), *_expressions(case)]
+    found = [*_breadths(case), *_expressions(case), *_ways(case)]
+    return found or [*_narrow(case), *_outside(case)] or [*_near(case, TOGETHER)]
+
+
+def warnings(case: Scene) -> list[str]:
+    """Return the warnings about the extents of bodies across a scene, one line each."""
+    return [] if case.breadth is None else [*_near(case, NARROW)]
+
+
+def _without(case: Scene) -> Iterator[str]:
+    """What only 3D scenes have."""
+    for name, part in _parts(case):
+        if part.extent is not None or getattr(part, "breadth", None) is not None:
+            field = "breadth" if isinstance(part, Box) or getattr(part, "breadth", None) is not None else "across"
+            yield (f"{name}: {field} is for a 3D scene, and this one is 2D; leave it out, or "
+                   + ("give a Tank or a Profile a breadth" if case.bodies else "give a Box of fluid a breadth"))
+
+
+def _parts(case: Scene) -> Iterator[tuple[str, Spread]]:
+    """Yield all bodies and all shapes of fluids and holes, with their names in messages."""
+    for name, body in zip(body_names(case.bodies), case.bodies):
+        yield f"walls, {name}", body
+    for name, fluid in fluid_names(case):
+        if isinstance(fluid.shape, Spread):
+            yield f"{name}.shape", fluid.shape
+        yield from ((f"{name}.holes[{number}]", hole) for number, hole in enumerate(fluid.holes))
+
+
+def _expressions(case: Scene) -> Iterator[str]:
+    for name, fluid in fluid_names(case):
+        yield from (f"{name}: {fault}" for fault in fluid.faults(case.dim))
+
+
+def _breadths(case: Scene) -> Iterator[str]:
+    """All bodies that give the breadth must give the same."""
+    low, high = case.breadth or (0.0, 0.0)
+    for name, body in zip(body_names(case.bodies), case.bodies):
+        own = body.breadth if isinstance(body, (Tank, Profile)) else None
+        if own is None and isinstance(body, Tank):
+            yield (f"walls, {name}: has no breadth, and the scene has one of {high - low:g} m; give it "
+                   f"breadth={high - low:g}")
+        elif own is not None and abs(own - (high - low)) > FIT * case.numerics.spacing:
+            other = ", or give its ends across=(ya, yb) instead" if isinstance(body, Profile) else ""
+            yield (f"walls, {name}: breadth = {own:g}: must be that of the scene, {high - low:g} m; change one of "
+                   f"them{other}")
+
+
+def _ways(case: Scene) -> Iterator[str]:
+    """Directions of frames and bodies."""
+    named: list[tuple[str, Body | None]] = [("frame", None), *(
+        (f"walls, {name}: motion", body) for name, body in zip(body_names(case.bodies), case.bodies))]
+    for name, body in named:
+        motion = case.frame if body is None else motion_of(body)
+        if not isinstance(motion, Translation):
+            continue
+        way = motion.direction
+        if isinstance(motion, Sway) and len(way) == 2 and way[1] != 0.0:
+            yield (f"{name}.direction = {shown(way)}: in 3D z is up, and y across; give three components, "
+                   f"{shown((way[0], way[1], 0.0))} across or {shown((way[0], 0.0, way[1]))} upwards")
+        elif body is not None and len(way) == 3 and abs(way[1]) > ACROSS * float(np.linalg.norm(way)):
+            yield (f"{name}.direction = {shown(way)}: a body moves along x and z only so far; give a direction with "
+                   "y = 0, or move the whole tank by frame=")
+
+
+def _narrow(case: Scene) -> Iterator[str]:
+    low, high = case.breadth or (0.0, 0.0)
+    s = case.numerics.spacing
+    if high - low < LEAST * s * (1.0 - FIT):
+        yield (f"breadth = {high - low:g} m: is {(high - low) / s:.2g} spacings, must be at least {LEAST:g}; use a "
+               f"spacing of at most {rounded_down((high - low) / LEAST)}, or leave the breadth out for a scene in 2D")
+
+
+def _outside(case: Scene) -> Iterator[str]:
+    low, high = case.breadth or (0.0, 0.0)
+    slack = FIT * case.numerics.spacing
+    for name, part in _parts(case):
+        own = part.extent
+        if own is None or (own[0] >= low - slack and own[1] <= high + slack):
+            continue
+        yield (f"{name}: reaches across from y = {own[0]:g} to {own[1]:g}: must lie within the scene, from {low:g} to "
+               f"{high:g}; move it, make it narrower, or enlarge the breadth")
+
+
+def _near(case: Scene, least: float) -> Iterator[str]:
+    """Ends of bodies nearer than `least` spacings, but not together."""
+    s, ends = case.numerics.spacing, cuts(case)
+    for low, high in zip(ends[:-1], ends[1:]):
+        if high - low < least * s * (1.0 - FIT):
+            beside = _ending(case, low, high)
+            what = f"walls, {' and '.join(beside)}: " if beside else ""
+            yield (f"{what}only {high - low:.3g} m are between the ends y = {low:g} and {high:g}, "
+                   f"{(high - low) / s:.2g} spacings"
+                   + (f": flow between them needs {NARROW:g}; use a spacing of at most "
+                      f"{rounded_down((high - low) / NARROW)}, or let them end at the same y" if least == NARROW else
+                      f", and no wall elements fit there; let them end at the same y, or use a spacing of at most "
+                      f"{rounded_down((high - low) / NARROW)}"))
+
+
+def _ending(case: Scene, low: float, high: float) -> list[str]:
+    """Return the names of bodies with an end at one of two places [m]."""
+    slack = FIT * case.numerics.spacing
+    return [name for name, body in zip(body_names(case.bodies), case.bodies)
+            if body.extent is not None and not isinstance(body, Tank)
+            and min(abs(end - at) for end in body.extent for at in (low, high)) <= slack]
