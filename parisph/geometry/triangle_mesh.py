@@ -80,13 +80,14 @@ def triangle_mesh(nodes: Floats, triangles: Array, body: Array, bodies: tuple[Me
     vectors = area_vectors(corners)
     size = np.linalg.norm(vectors, axis=1)
     angle = dihedral(corners, triangles, edges)
+    normal, planes = _normals(corners, triangles, edges, angle)
     half, area = np.zeros((len(nodes), 3)), np.zeros(len(nodes))
     for corner in triangles.T:
         np.add.at(half, corner, vectors / 3.0)
         np.add.at(area, corner, size / 3.0)
     return WallMesh(
-        x0=nodes, normal0=_normals(corners, triangles, edges, angle), area=area, vector_area=half,
-        share=_shares(len(nodes), triangles, edges, angle), body=_bodies(len(nodes), triangles, body, size),
+        x0=nodes, normal0=normal, area=area, vector_area=half, share=_shares(len(nodes), triangles, edges, angle),
+        cell=area * np.where(planes > 2, 4.0 / 3.0, 1.0), body=_bodies(len(nodes), triangles, body, size),
         edge=_edges(len(nodes), edges, angle), elements=triangles.astype(np.int32), element_body=body.astype(np.int32),
         bodies=bodies)
 
@@ -121,8 +122,8 @@ def _shares(count: int, triangles: Array, edges: Edges, angle: Floats) -> Floats
     return found
 
 
-def _normals(corners: Floats, triangles: Array, edges: Edges, angle: Floats) -> Floats:
-    """Return the normalised sums (N, 3) of the normals of the smooth parts of surface that meet at each node.
+def _normals(corners: Floats, triangles: Array, edges: Edges, angle: Floats) -> tuple[Floats, Ints]:
+    """Return the normalised sums (N, 3) of the normals of the smooth parts of surface at each node, and their number.
 
     The normal of a part is the mean of those of its triangles, weighted by their angles at the node.
     """
@@ -138,8 +139,7 @@ def _normals(corners: Floats, triangles: Array, edges: Edges, angle: Floats) -> 
     length = np.linalg.norm(total, axis=1)
     # the parts of a thin edge may cancel; it then has the normal of one of them
     total[node] = np.where((length[node] < 1e-6)[:, None], mean, total[node])
-    found: Floats = total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
-    return found
+    return total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None], np.bincount(node, minlength=count)
 
 
 def _parts(triangles: Array, edges: Edges, smooth: Flags) -> Ints:
