@@ -1,7 +1,7 @@
 """Where water leaves a scene: over the ends of its container, and over the tops of wavemakers."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,9 +9,11 @@ from parisph.base.arrays import Flags, Floats
 from parisph.case.bodies import Body, Flap, Piston, Profile
 from parisph.case.motion import AtRest, Motion
 from parisph.case.scene import Scene
+from parisph.case.scenery import body_names
 from parisph.case.shapes import Tank
+from parisph.geometry.extrusion import front_top
 from parisph.geometry.solid import Wall, solid_of
-from parisph.geometry.standing import standing
+from parisph.geometry.spans import container, scene_walls, spans
 
 OUTSIDE = 0.5    # spacings beyond a side wall: farther water above the rim has left
 BELOW = 1.0      # spacings below the rim to which water may fall in the step in which it leaves
@@ -23,6 +25,7 @@ class Rim:
 
     motion : of the container; lower, upper : (dim,) corners at rest [m]; left, right : heights of its sides [m], -inf
     where water may leave at any height; spacing : [m]; reach : [m] behind a wall, beyond which a point is lost
+    front : height of front and back [m], in 3D
     """
 
     motion: Motion
@@ -32,6 +35,7 @@ class Rim:
     right: float
     spacing: float
     reach: float = np.inf
+    front: float = np.inf
 
     def out(self, x: Floats, t: float) -> tuple[Flags, Flags]:
         """Return which points x (n, dim) [m] have left over the rim at a time [s], and which are lost behind a wall."""
@@ -40,8 +44,11 @@ class Rim:
         if self._within(x):    # most steps
             return np.zeros(len(x), bool), np.zeros(len(x), bool)
         up = x[:, -1]
-        beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
+        sides = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1])
+        beyond = sides.max(axis=1)
         rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), self.left, self.right)
+        if x.shape[1] == 3:
+            rim = np.where(sides[:, 1] > sides[:, 0], self.front, rim)
         gone: Flags = np.where(up >= rim, beyond > OUTSIDE * self.spacing,
                                (beyond > 0.0) & (up > rim - BELOW * self.spacing))
         behind: Flags = (beyond > self.reach) | (up < self.lower[-1] - self.reach)
@@ -64,10 +71,21 @@ def rims_of(case: Scene, reach: float) -> tuple[Rim, ...]:
 
     reach : [m] behind a wall, beyond which a point is lost; it does not apply behind wavemakers, where it is dry
     """
-    pairs, s = list(zip(standing(case), case.bodies)), case.numerics.spacing
+    bodies, s = dict(zip(body_names(case.bodies), case.bodies)), case.numerics.spacing
+    pairs = [(wall, bodies[wall.name]) for wall in scene_walls(case) if wall.name in bodies]
     held = () if case.walls is None or case.lidded else (_holder(pairs, s, reach),)
-    return *held, *(_face(body, float(wall.bounds[1][-1]), s) for wall, body in pairs
-                    if isinstance(body, (Piston, Flap)))
+    if case.dim == 3:
+        held = tuple(_across(case, rim) for rim in held)
+    # water may flow around a wavemaker that does not reach across a 3D scene
+    return *held, *(_face(body, float(wall.bounds[1][-1]), s, case.dim) for wall, body in pairs
+                    if isinstance(body, (Piston, Flap)) and body.extent is None)
+
+
+def _across(case: Scene, rim: Rim) -> Rim:
+    """Return the Rim of a 3D scene from that of its section."""
+    (front, back), walls = case.breadth or (0.0, 0.0), [wall for span in spans(case) for wall in span.walls]
+    top = front_top(case, [wall for wall in walls if wall.motion == container(case).motion])
+    return replace(rim, lower=np.insert(rim.lower, 1, front), upper=np.insert(rim.upper, 1, back), front=top)
 
 
 def _holder(pairs: Sequence[tuple[Wall, Body]], spacing: float, reach: float) -> Rim:
@@ -83,8 +101,8 @@ def _holder(pairs: Sequence[tuple[Wall, Body]], spacing: float, reach: float) ->
     return Rim(motion, lower, upper, left, right, spacing, reach)
 
 
-def _face(maker: Piston | Flap, top: float, spacing: float) -> Rim:
-    far = np.full(2, np.inf)
-    place = np.array([maker.place, np.inf if maker.fluid_on_left else -np.inf])
+def _face(maker: Piston | Flap, top: float, spacing: float, dim: int) -> Rim:
+    far = np.full(dim, np.inf)
+    place = np.array([maker.place] + (dim - 1) * [np.inf if maker.fluid_on_left else -np.inf])
     lower, upper = (-far, place) if maker.fluid_on_left else (place, far)
     return Rim(maker.moved, lower, upper, top, top, spacing)
