@@ -5,7 +5,7 @@ the boundary of what is left is meshed anew (pymeshlab). Not collective; the sam
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ OFF = 0.1        # spacings: largest distance of the new mesh from the surface
 ROUNDS = 10      # of splitting, collapsing, swapping and smoothing edges; more change little
 FINE = 1e-4      # spacings: smaller details are left out before
 NEAR = 1.0       # spacings: within this distance of the middle of a new triangle is that whose body it has
+LOST = 0.3       # spacings: points of the surface this far from its mesh are details that are lost
 TIE = 1e-6       # spacings: of equally near bodies the first counts
 SMALL = 1.0      # spacings^3: smaller rooms and solids apart from others are left out, such as slivers of a cut
 
@@ -48,12 +49,14 @@ class Room:
 
     nodes : (N, 3) [m]; triangles : (M, 3) int, anticlockwise as the fluid sees them; body : (M,) int32, of each
     volume : [m3], exact, before it was meshed
+    lost : (n, 3) [m], points of the surface from which the mesh is far, so that details are lost there
     """
 
     nodes: Floats
     triangles: Array
     body: Array
     volume: float
+    lost: Floats = field(default_factory=lambda: np.empty((0, 3)))
 
     @property
     def corners(self) -> Floats:
@@ -72,10 +75,11 @@ def room_of(pieces: Sequence[Piece], spacing: float) -> Room:
     nodes, triangles = _meshed(points, corners, spacing)
     triangles = triangles[:, ::-1]    # from now on with normals into the fluid
     body = _bodies(nodes[triangles], pieces, spacing)
+    lost = ~np.isfinite(nearest(points, nodes[triangles], LOST * spacing)[0])
     walls = body >= 0
     used, own = np.unique(triangles[walls], return_inverse=True)
     return Room(nodes[used], own.reshape(-1, 3).astype(np.int32), body[walls].astype(np.int32),
-                signed_volume(points[corners]))
+                signed_volume(points[corners]), points[lost])
 
 
 def prism(outline: Floats, ends: tuple[float, float]) -> tuple[Floats, Ints]:

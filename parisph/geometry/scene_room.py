@@ -37,6 +37,11 @@ def know(case: Scene, room: Room) -> None:
     _KNOWN[case.walls, case.numerics.spacing] = room
 
 
+def is_known(case: Scene) -> bool:
+    """Return whether the room of a scene was stored with its run."""
+    return (case.walls, case.numerics.spacing) in _KNOWN
+
+
 def scene_room(case: Scene) -> Room:
     """Return the Room of a scene with Surfaces. Cached. Not collective. Raises CaseError, MissingLibrary."""
     known = _KNOWN.get((case.walls, case.numerics.spacing))
@@ -68,10 +73,6 @@ def in_room(case: Scene, x: Floats) -> Flags:
 def _prisms(case: Scene) -> Iterator[Piece]:
     """Yield the bodies at rest as Pieces; first the container, which limits the room."""
     walls, around = scene_walls(case), container(case)
-    if any(wall.kind == "plate" for wall in walls):
-        raise CaseError("walls: a Plate has no thickness, and cannot be in a scene with Surfaces yet; give an Obstacle")
-    if not isinstance(around.motion, AtRest):
-        raise CaseError(f"walls, {around.name}: cannot move by itself in a scene with Surfaces; move all by frame=")
     number = walls.index(around)
     if not isinstance(around, Tank):
         whole = case.breadth

@@ -63,6 +63,17 @@ def read(surface: Surface) -> Triangles:
     return sound(places, where)
 
 
+def crossing(surface: Surface) -> tuple[int, Floats]:
+    """Return the number of triangles of a Surface that cross others of it, and the middle (3,) [m] of the first."""
+    import pymeshlab
+
+    found, meshes = read(surface), pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=found.points, face_matrix=found.corners))
+    meshes.compute_selection_by_self_intersections_per_face()
+    which = np.flatnonzero(meshes.current_mesh().face_selection_array())
+    return len(which), found.places[which[0]].mean(axis=0) if len(which) else np.zeros(3)
+
+
 def _raw(surface: Surface, where: str) -> Floats:
     """Return the corners (M, 3, 3) of the triangles in a file."""
     libraries.require(*libraries.SURFACES)
