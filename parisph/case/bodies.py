@@ -11,7 +11,7 @@ from parisph.case.breadth import Across, Breadth, Spread, solid_box
 from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, Motion, PistonStroke, Rotation
 from parisph.case.shapes import Name, Shape, Slip, Tank, check_line
-from parisph.case.surface import Surface
+from parisph.case.surface_body import Surface
 from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction
 
 PistonWave = Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap],

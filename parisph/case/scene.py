@@ -21,7 +21,7 @@ from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
 from parisph.case.shapes import Box, Tank
-from parisph.case.surface import Surface
+from parisph.case.surface_body import Surface
 
 
 def _how_many(value: Any) -> str:

@@ -23,7 +23,7 @@ from parisph.case.probes import ProbeArray
 from parisph.case.profiles import Profiles
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Lid, Polygon, Tank
-from parisph.case.surface import Surface
+from parisph.case.surface_body import Surface
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 

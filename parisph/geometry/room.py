@@ -14,7 +14,7 @@ from parisph.base import libraries
 from parisph.base.arrays import Array, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.geometry.distance import nearest
-from parisph.geometry.surfaces import components, signed_volume
+from parisph.geometry.surface_files import components, signed_volume
 from parisph.geometry.triangle_mesh import CREASE, edges_of
 
 # Spacings: length of the edges of equal triangles of which each node has the area s^2.

@@ -14,14 +14,14 @@ from parisph.base.errors import CaseError
 from parisph.case.motion import AtRest
 from parisph.case.scene import Scene
 from parisph.case.shapes import Tank
-from parisph.case.surface import Surface
+from parisph.case.surface_body import Surface
 from parisph.geometry.extrusion import extruded, moving_meshes
 from parisph.geometry.inside import floors
 from parisph.geometry.mesh import MeshBody, WallMesh, together
 from parisph.geometry.room import Piece, Room, prism, room_of
 from parisph.geometry.solid import Solid, Wall, solid_of
 from parisph.geometry.spans import container, scene_walls, spans
-from parisph.geometry.surfaces import Triangles, read
+from parisph.geometry.surface_files import Triangles, read
 from parisph.geometry.triangle_mesh import edges_of, triangle_mesh
 
 FAR = 10.0       # sizes of a scene, how far open outlines continue

@@ -9,11 +9,11 @@ from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.text import point, rounded_down
 from parisph.case.scene import Scene
-from parisph.case.surface import Surface
+from parisph.case.surface_body import Surface
 from parisph.geometry.distance import unit_normals
 from parisph.geometry.inside import floors
 from parisph.geometry.scene_room import is_known, room_mesh, scene_room
-from parisph.geometry.surfaces import Triangles, crossing, read
+from parisph.geometry.surface_files import Triangles, crossing, read
 
 LARGE = 20.0     # sizes of the scene: a larger solid is probably in another unit
 GAP = 2.0        # spacings that flow between two walls needs, and between two sides of a wall

@@ -7,7 +7,7 @@ from parisph.base.errors import CaseError
 from parisph.geometry.distance import area_vectors
 from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, MeshBody
 from parisph.geometry.room import Piece, prism, room_of
-from parisph.geometry.surfaces import sound
+from parisph.geometry.surface_files import sound
 from parisph.geometry.triangle_mesh import edges_of, triangle_mesh
 from tests.triangles import box, sphere, volume
 

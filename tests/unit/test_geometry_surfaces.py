@@ -5,8 +5,8 @@ import pytest
 
 from parisph.base import paths
 from parisph.base.errors import CaseError
-from parisph.case.surface import Surface
-from parisph.geometry.surfaces import read, sound
+from parisph.case.surface_body import Surface
+from parisph.geometry.surface_files import read, sound
 from tests.triangles import box, sheet, sphere, volume, write_stl
 
 CUBE = box((0.2, 0.3, 0.4), (1.0, 0.0, 0.0))

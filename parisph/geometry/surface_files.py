@@ -16,7 +16,7 @@ from parisph.base import libraries
 from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.text import named, of_error, point
-from parisph.case.surface import Surface, digest_of
+from parisph.case.surface_body import Surface, digest_of
 from parisph.geometry.distance import area_vectors
 from parisph.geometry.triangle_mesh import Edges, edges_of
 
