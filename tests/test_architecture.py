@@ -22,6 +22,7 @@ ONLY_IN = {
                "doctor", "ranks", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
+    "scipy": ("geometry.triangles",),
     "matplotlib": ("pictures", "study"),
 }
 WHOLE_WORLD = "COMM_WORLD"

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from parisph.base.text import rounded_down, shown
-from parisph.case.bodies import Body, Profile, motion_of
-from parisph.case.breadth import Spread
+from parisph.case.bodies import Body, Flap, Piston, Profile, motion_of
+from parisph.case.breadth import Spread, section_of
 from parisph.case.lattice import FIT
 from parisph.case.motion import Sway, Translation
 from parisph.case.scene import Scene
@@ -25,12 +25,40 @@ def problems(case: Scene) -> list[str]:
     if case.breadth is None:
         return [*_without(case), *_expressions(case)]
     found = [*_breadths(case), *_expressions(case), *_ways(case)]
-    return found or [*_narrow(case), *_outside(case)] or [*_near(case, TOGETHER)]
+    return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_fluids(case)]
 
 
 def warnings(case: Scene) -> list[str]:
     """Return the warnings about the extents of bodies across a scene, one line each."""
-    return [] if case.breadth is None else [*_near(case, NARROW)]
+    s = case.numerics.spacing
+    return [f"walls, {' and '.join(between)}: only {gap:.3g} m are between their ends across, {gap / s:.2g} spacings: "
+            f"flow between them needs {NARROW:g}; use a spacing of at most {rounded_down(gap / NARROW)}, or let them "
+            "touch" for gap, between in gaps(case) if gap < NARROW * s * (1.0 - FIT)]
+
+
+def gaps(case: Scene) -> list[tuple[float, tuple[str, str]]]:
+    """Return the distances across [m] between facing ends of bodies, with their names, the shortest first; none in 2D.
+
+    The front and the back of the scene face all bodies and each other.
+    """
+    slack = FIT * case.numerics.spacing
+    if case.breadth is None:
+        return []
+    ends: list[tuple[str, Body | None, tuple[float, float]]] = [
+        ("the front", None, (-np.inf, case.breadth[0])), ("the back", None, (case.breadth[1], np.inf)),
+        *((name, body, extent) for name, body in zip(body_names(case.bodies), case.bodies)
+          if (extent := body.extent) is not None and not isinstance(body, Tank))]
+    found = [(high[0] - low[1], (one, other)) for one, body, low in ends for other, beside, high in ends
+             if high[0] - low[1] > slack and _beside(body, beside)]
+    return sorted(found) if case.bodies else []
+
+
+def _beside(one: Body | None, other: Body | None) -> bool:
+    """Return whether the boxes of two bodies overlap in the section; None and wavemakers are beside all."""
+    if one is None or other is None or isinstance(one, (Piston, Flap)) or isinstance(other, (Piston, Flap)):
+        return True
+    (low, high), (lower, upper) = (map(section_of, body.bounds) for body in (one, other))
+    return bool(np.all((low <= upper) & (lower <= high)))
 
 
 def _without(case: Scene) -> Iterator[str]:
@@ -107,19 +135,33 @@ def _outside(case: Scene) -> Iterator[str]:
                f"{high:g}; move it, make it narrower, or enlarge the breadth")
 
 
-def _near(case: Scene, least: float) -> Iterator[str]:
-    """Ends of bodies nearer than `least` spacings, but not together."""
+def _near(case: Scene) -> Iterator[str]:
+    """Ends of bodies too near for elements between them, but not together."""
     s, ends = case.numerics.spacing, cuts(case)
     for low, high in zip(ends[:-1], ends[1:]):
-        if high - low < least * s * (1.0 - FIT):
-            beside = _ending(case, low, high)
-            what = f"walls, {' and '.join(beside)}: " if beside else ""
-            yield (f"{what}only {high - low:.3g} m are between the ends y = {low:g} and {high:g}, "
-                   f"{(high - low) / s:.2g} spacings"
-                   + (f": flow between them needs {NARROW:g}; use a spacing of at most "
-                      f"{rounded_down((high - low) / NARROW)}, or let them end at the same y" if least == NARROW else
-                      f", and no wall elements fit there; let them end at the same y, or use a spacing of at most "
-                      f"{rounded_down((high - low) / NARROW)}"))
+        if high - low < TOGETHER * s * (1.0 - FIT):
+            yield (f"walls, {' and '.join(_ending(case, low, high))}: only {high - low:.3g} m are between the ends y = "
+                   f"{low:g} and {high:g}, {(high - low) / s:.2g} spacings, and no wall elements fit there; let them "
+                   f"end at the same y, or use a spacing of at most {rounded_down((high - low) / TOGETHER)}")
+
+
+def _fluids(case: Scene) -> Iterator[str]:
+    """Bodies of fluid less than a spacing broad, or apart across, so that their particles would be too near."""
+    s, named = case.numerics.spacing, list(fluid_names(case))
+    for number, (name, fluid) in enumerate(named):
+        own = fluid.extent
+        if own is None:
+            continue
+        if own[1] - own[0] < s * (1.0 - FIT):
+            yield (f"{name}.shape: is {own[1] - own[0]:.3g} m broad, {(own[1] - own[0]) / s:.2g} spacings, must be at "
+                   f"least one; use a spacing of at most {rounded_down(own[1] - own[0])}, or make it broader")
+        for title, other in named[:number]:
+            beside = case.extent_of(other) or own
+            gap = max(beside[0] - own[1], own[0] - beside[1])
+            (low, high), (lower, upper) = (map(section_of, case.bounds_of(one)) for one in (fluid, other))
+            if FIT * s < gap < s * (1.0 - FIT) and np.all((low <= upper) & (lower <= high)):
+                yield (f"{name} and {title}: they are {gap:.3g} m apart across, {gap / s:.2g} spacings; let them "
+                       f"touch, leave a spacing between them, {s:g} m, or use a spacing of at most {rounded_down(gap)}")
 
 
 def _ending(case: Scene, low: float, high: float) -> list[str]:

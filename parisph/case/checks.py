@@ -39,7 +39,7 @@ def problems(case: Scene) -> list[str]:
         found += [*_inside(case), *_size(case)]
     if not found:
         found += [*_compressible(case), *_forces(case), *_absorbing(case), *_friction(case), *_surface(case),
-                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case), *_outputs(case)]
     if not found:
         found += time_checks.problems(case)
     return found
@@ -168,7 +168,8 @@ def _size(case: Scene) -> Iterator[str]:
     else:
         yield (
             f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
-            f"which take about {amount(size.memory(n['all'], 1, case.dim))} of memory; at most {size.MOST:.2g} can be numbered; "
+            f"which take about {amount(size.memory(n['all'], 1, case.dim))} of memory; "
+            f"at most {size.MOST:.2g} can be numbered; "
             "use a larger spacing, or less fluid and a smaller tank"
         )
 
@@ -249,4 +250,14 @@ def _probes(case: Scene) -> Iterator[str]:
         if count > 1:
             yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
     for name, probe in singles(case.probes):
-        yield from (f"probe {name!r}: {line}" for line in probe.problems(case))
+        if case.dim not in probe.dims:
+            kind = type(probe).__name__
+            yield (f"probe {name!r}: a {kind} exists in {probe.dims[0]}D only so far; leave it out of a scene in "
+                   f"{case.dim}D")
+        else:
+            yield from (f"probe {name!r}: {line}" for line in probe.problems(case))
+
+
+def _outputs(case: Scene) -> Iterator[str]:
+    if case.dim != 2 and "vorticity" in case.output.fields:
+        yield "output.fields: 'vorticity' exists in 2D only so far; leave it out of a scene in 3D"

@@ -174,13 +174,13 @@ def _gravity(case: Scene) -> Iterator[str]:
     gravity = uniform_field(case.gravity)
     if gravity is None or case.walls is None or case.lidded or case.turns:
         return
-    up = float(gravity[-1])
+    up, axis = float(gravity[-1]), "xyz"[case.dim - 1]
     shown = f"gravity = ({', '.join(f'{value:g}' for value in gravity)})"
+    earth = f"on earth it is ({', '.join(['0'] * (case.dim - 1) + ['-9.81'])})"
     if up > 0.0:
-        yield (f"{shown}: it points upwards, out of an open tank, because y points up; on earth it is "
-               f"({', '.join(['0'] * (case.dim - 1) + ['-9.81'])})")
+        yield f"{shown}: it points upwards, out of an open tank, because {axis} points up; {earth}"
     elif not gravity.any():
-        yield f"{shown}: nothing keeps the water in an open tank; on earth it is (0, -9.81), or give the tank a lid"
+        yield f"{shown}: nothing keeps the water in an open tank; {earth}, or give the tank a lid"
 
 
 def _thin(case: Scene) -> Iterator[str]:

@@ -26,6 +26,7 @@ MEANT = (
      "bodies move only as given, by motion=, and none floats"),
     (BODIES, ("velocity", "speed", "acceleration", "displacement"),
      "bodies move by motion=, such as Sway(...), Heave(...), Roll(...) or Moved(Series(...))"),
+    (("Roll",), ("axis", "yaw", "pitch"), "a Roll turns the section, in 3D about y; pitch and yaw do not exist so far"),
     (("Sway", "Heave", "Roll"), ("omega", "w"), "give frequency [rad/s] or period [s]"),
     (("Sway", "Heave", "Roll"), ("stroke",), "give amplitude, half of the stroke"),
     (("Case",), ("spacing", "preset", "method"), "that is one of numerics=Numerics(...)"),

@@ -11,7 +11,16 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Optional, Union
 
 import numpy as np
-from pydantic import Field, PlainValidator, SerializeAsAny, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    PlainValidator,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
 from parisph.base import vocabulary
@@ -22,11 +31,11 @@ from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
 OURS = "parisph.watch.probes"    # a module for each kind
-LAST = ("acted", "truth", "peak", "arrival", "every")    # fields that follow those of a kind
+LAST = ("acted", "truth", "peak", "arrival", "every", "y")    # fields that follow those of a kind
 WIDTH = 4     # numbers in a row
 DRY = 1e-6    # of the spacing, above the bed: a gauge with less is dry
 
-Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) [m]")]
+Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y), in 3D (x, y, z) [m]")]
 
 
 class Measure:
@@ -129,7 +138,7 @@ class Probe(Measure, Model):
         return iter(())
 
     def drawn(self, heights: tuple[float, float]) -> Optional[Floats]:
-        """Return its place in pictures, a point or those of a line (n, 2) [m], or None.
+        """Return its place in pictures, a point or those of a line (n, 2) [m] in the section, or None.
 
         It is from the fields `at`, or `start` and `end`, or `points`. heights : ends of vertical lines [m]
         """
@@ -138,7 +147,7 @@ class Probe(Measure, Model):
             return np.array([(at, height) for height in heights])
         points = (start, getattr(self, "end", start)) if start is not None else getattr(self, "points", None)
         points = (at,) if at is not None else points
-        return np.array([point[:2] for point in points]) if points else None
+        return np.array([(point[0], point[-1]) for point in points]) if points else None
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """Yield each disturbance of the measurement, and which samples (n,) bool it affects.
@@ -177,25 +186,61 @@ class OfPressure(Probe):
 
 
 class Gauge(Probe):
-    """A probe of a height above x = `at` [m]. of_surface : whether it is that of the free surface, as in theories."""
+    """A probe of a height above x = `at` [m], in 3D above `at` = (x, y), which becomes `at` = x and `y`.
+
+    of_surface : whether it is that of the free surface, as in theories
+    """
 
     columns = {"y": "m"}
     family = "height $y$"
     of_surface: ClassVar[bool] = False
 
-    at: float = Field(description="position x [m]")
+    at: float = Field(description="position x [m], in 3D (x, y)")
+    y: Optional[float] = Field(
+        default=None, kw_only=True, description="position y [m] across a 3D scene, from at=(x, y)")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _place_across(cls, data: Any) -> Any:
+        at = data.get("at") if isinstance(data, dict) else None
+        if not isinstance(at, (list, tuple)) or len(at) != 2:
+            return data
+        if data.get("y") is not None:
+            raise ValueError(f"at = {shown(at)} and y = {shown(data['y'])}: give y once")
+        return {**data, "at": at[0], "y": at[1]}
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out y of a 2D scene: releases before 3D do not know it."""
+        return {name: value for name, value in handler(self).items() if name != "y" or value is not None}
+
+    @property
+    def place(self) -> tuple[float, ...]:
+        """Its place (x,), in 3D (x, y) [m]."""
+        return (self.at,) if self.y is None else (self.at, self.y)
+
+    @property
+    def where(self) -> str:
+        """Its place as text."""
+        return ", ".join(f"{axis} = {value:g}" for axis, value in zip("xy", self.place)) + " m"
 
     def problems(self, case: Any) -> Iterator[str]:
         """See Probe: it must stand between the walls."""
-        if case.wall_bounds is not None:
+        if (self.y is None) != (case.dim == 2):
+            yield (f"at = {self.at:g}: a gauge of a 3D scene stands at (x, y); give both" if self.y is None else
+                   f"at = ({self.at:g}, {self.y:g}): a gauge of a 2D scene stands at x; leave out y = {self.y:g}")
+        elif case.wall_bounds is not None:
             low, high = case.wall_bounds
-            if not low[0] <= self.at <= high[0]:
-                yield f"at = {self.at:g} must lie within the walls, from x = {low[0]:g} to {high[0]:g}"
+            for axis, value in enumerate(self.place):
+                if not low[axis] <= value <= high[axis]:
+                    yield (f"at = {shown(self.place) if self.y is not None else format(self.at, 'g')} must lie within "
+                           f"the walls, from {'xy'[axis]} = {low[axis]:g} to {high[axis]:g}")
 
     def misplaced(self, places: Any) -> Iterator[str]:
         """See Probe: there must be room for fluid."""
-        if not places.has_room(self.at):
-            yield f"at = {self.at:g}: there is no room for fluid above or below it; move it"
+        if not places.has_room(*self.place):
+            at = f"({self.at:g}, {self.y:g})" if self.y is not None else f"{self.at:g}"
+            yield f"at = {at}: there is no room for fluid above or below it; move it"
 
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """See Probe: gauges run dry, and the surface may be above the walls."""

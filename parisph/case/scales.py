@@ -127,12 +127,12 @@ def _start_speed(case: Case) -> float:
 
 
 def _level(case: Case, down: Floats) -> Box | None:
-    """Return the fluid if it is a Box between the tank's walls, on its bed, below -y; else None."""
+    """Return the fluid if it is a Box between the tank's walls, on its bed, under gravity downwards; else None."""
     box = case.fluids[0].shape
     tank = case.lone_tank
     if tank is None or len(case.fluids) > 1 or not isinstance(box, Box) or down[-1] > -0.99:
         return None
-    (lower, upper), (low, high) = box.bounds, tank.bounds
+    (lower, upper), (low, high) = case.box_of(box), tank.bounds
     slack = 0.5 * case.numerics.spacing
     fills = np.all(np.abs(lower - low) < slack) and np.all(np.abs(upper - high)[:-1] < slack)
     return box if fills else None
@@ -155,13 +155,28 @@ def _standing(amplitude: float, k: float, depth: float, g: float) -> Size:
 
 def _of_start(case: Case, level: Box, g: float) -> tuple[float, float]:
     """Return amplitude [m] and wave number [1/m] of the linear wave of level water at the start."""
-    depth, (lower, upper) = level.size[-1], level.bounds
-    x = np.linspace(lower[0], upper[0], SAMPLES)
-    amplitude, k = _harmonic(x, case.fluids[0].rise(x))
-    surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
-    speed, own = _harmonic(x, case.fluids[0].start_velocity(surface)[:, -1])
-    rise = speed / float(angular_frequency(own, depth, g))
-    return float(np.hypot(amplitude, rise)), (k if amplitude >= rise else own)
+    found, depth = [], level.size[-1]
+    for axis, surface in enumerate(_lines(case, level)):
+        amplitude, k = _elevation(case, axis, surface)
+        speed, own = _harmonic(surface[:, axis], case.fluids[0].start_velocity(surface)[:, -1])
+        rise = speed / float(angular_frequency(own, depth, g))
+        found.append((float(np.hypot(amplitude, rise)), (k if amplitude >= rise else own)))
+    return max(found, key=lambda wave: wave[0])
+
+
+def _lines(case: Case, level: Box) -> list[Floats]:
+    """Return points (SAMPLES, dim) [m] of lines on level water: along x, in 3D in its middle, and across there."""
+    (lower, upper), found = case.box_of(level), []
+    for axis in range(case.dim - 1):
+        line = np.tile(0.5 * (lower + upper), (SAMPLES, 1))
+        line[:, -1], line[:, axis] = upper[-1], np.linspace(lower[axis], upper[axis], SAMPLES)
+        found.append(line)
+    return found
+
+
+def _elevation(case: Case, axis: int, line: Floats) -> tuple[float, float]:
+    """Return amplitude [m] and wave number [1/m] of the elevation at the start, along an axis on one of `_lines`."""
+    return _harmonic(line[:, axis], case.fluids[0].rise(line[:, 0], line[:, 1] if case.dim == 3 else None))
 
 
 def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tuple[Size | None, Floats, Floats]:
@@ -169,11 +184,14 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
 
     start : (n,) initial speed [m/s], which the returned speed does not include
     """
-    (length, depth), (lower, upper) = level.size[[0, -1]], level.bounds
-    eta, speed = _sloshing(case, g, np.pi / length, depth, times)
+    depth, lengths = level.size[-1], [float(level.size[0]), *(np.diff(case.breadth) if case.breadth else ())]
+    modes = [_sloshing(case, g, np.pi / length, depth, times, axis) for axis, length in enumerate(lengths)]
+    axis = int(np.argmax([eta for eta, _ in modes]))
+    length, eta = lengths[axis], modes[axis][0]
+    speed = modes[0][1] if case.dim == 2 else np.hypot(*(speed for _, speed in modes))
     acceleration = angular_frequency(np.pi / length, depth, g) * speed
-    x = np.linspace(lower[0], upper[0], SAMPLES)
-    amplitude, k = _harmonic(x, case.fluids[0].rise(x))
+    amplitude, k = max((_elevation(case, axis, line) for axis, line in enumerate(_lines(case, level))),
+                       key=lambda wave: wave[0])
     omega = angular_frequency(k, depth, g)
     speed = speed + amplitude * omega / np.tanh(k * depth)
     acceleration = acceleration + amplitude * omega**2 / np.tanh(k * depth)
@@ -189,13 +207,14 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
 def _push(case: Case) -> float:
     """Return the largest horizontal body force [m/s^2] in the middle of the fluid in the frame of the tank."""
     centre = np.concatenate(_sample(case)).mean(axis=0, keepdims=True)
-    return max(float(np.abs(case.body_force(centre, t)[0, 0])) for t in np.linspace(0.0, case.end_time, SAMPLES))
+    return max(float(np.abs(case.body_force(centre, t)[0, :-1]).max())
+               for t in np.linspace(0.0, case.end_time, SAMPLES))
 
 
-def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tuple[float, Floats]:
-    """Amplitude [m] and speed (n,) [m/s] of the first mode, eta'' + omega^2 eta = -(omega^2/g) f 4L/pi^2.
+def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats, axis: int = 0) -> tuple[float, Floats]:
+    """Amplitude [m] and speed (n,) [m/s] of the first mode on an axis, eta'' + omega^2 eta = -(omega^2/g) f 4L/pi^2.
 
-    f is the horizontal body force; the linear potential problem of a tank, projected on cos(pi x/L).
+    f is the body force along the axis; the linear potential problem of a tank, projected on cos(pi x/L).
     """
     omega = float(angular_frequency(k, depth, g))
     count = int(np.clip(case.end_time * omega / (2.0 * np.pi) * PER_PERIOD, SAMPLES, MOST_STEPS))
@@ -204,7 +223,7 @@ def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tu
     share = -4.0 * omega**2 / (g * np.pi * k)
     eta, rate, largest, size = 0.0, 0.0, 0.0, np.zeros(count)
     for step in range(count):
-        force = float(case.body_force(centre, step * dt)[0, 0])
+        force = float(case.body_force(centre, step * dt)[0, axis])
         rate += dt * (share * force - omega**2 * eta)
         eta += dt * rate
         largest = max(largest, abs(eta))

@@ -42,11 +42,14 @@ READ_ONLY = "read only"
 class Case(Scene):
     """A scene and how it is computed, in SI units.
 
+    It is 3D if a Tank or a Profile has a breadth, or, without walls, a Box of fluid: x runs along the section, y across
+    it, and z up. A vector of two components is then one of the section.
+
     title : one line, shown in pictures and tables
     source : where the scene is from, such as a paper and its figures; shown on pages
     fluid : Fluid, or several of one density and viscosity, which do not overlap
     walls : a Tank, Profile, Obstacle, Plate, Piston, Flap or Surface, several of them, or None
-    gravity : components of the body force [m/s2], numbers or expressions of x, y and t
+    gravity : components of the body force [m/s2], numbers or expressions of x, y and t, in 3D of x, y, z and t
     frame : motion of the tank; the flow is computed in its frame
     absorb : a Sponge or Relaxation zone, or several
     friction : Friction of turbulent flow on free-slip walls, or None

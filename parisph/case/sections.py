@@ -4,7 +4,7 @@ All bodies of a 3D scene are prisms across it, so it is one 2D scene between two
 """
 
 import re
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from parisph.case.motion import AtRest, Motion, Rotation, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.shapes import ENDS, Box, Shape, Tank
+
+AnyScene = TypeVar("AnyScene", bound=Scene)
 
 
 def cuts(case: Scene, fluids: bool = False) -> Floats:
@@ -47,7 +49,7 @@ def fluids_across(case: Scene, lower: float, upper: float) -> list[int]:
     return [number for number, fluid in enumerate(case.fluids) if _spans(case, fluid, lower, upper)]
 
 
-def section(case: Scene, lower: float, upper: float) -> Scene:
+def section(case: AnyScene, lower: float, upper: float) -> AnyScene:
     """Return the 2D scene of all bodies, holes and fluids whose extent contains lower to upper [m].
 
     With lower = upper it is that of the cut plane, in which bodies of both sides are present. Bodies have the names
@@ -63,10 +65,16 @@ def section(case: Scene, lower: float, upper: float) -> Scene:
         "gravity": tuple(in_section(part, y) for part in flat(case.gravity))})
 
 
-def sections(case: Scene) -> list[tuple[float, float, Scene]]:
+def sections(case: AnyScene) -> list[tuple[float, float, AnyScene]]:
     """Return lower and upper end [m] and scene of each interval between the cuts of bodies and fluids."""
     ends = cuts(case, fluids=True).tolist()
     return [(low, high, section(case, low, high)) for low, high in zip(ends, ends[1:])]
+
+
+def richest(case: AnyScene) -> tuple[float, float, AnyScene]:
+    """Return lower and upper end [m] and scene of the section with fluid and most bodies; of these the broadest."""
+    return max(sections(case), key=lambda part: (bool(part[2].fluids), len(part[2].bodies) + len(part[2].fluids),
+                                                 part[1] - part[0]))
 
 
 def in_section(component: float | str, y: float) -> float | str:

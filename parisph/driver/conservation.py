@@ -229,8 +229,8 @@ def _rest(case: Case, scene: ProbeScene) -> Callable[[float], float] | None:
     if case.lone_tank is None or np.abs(g[:-1]).max(initial=0.0) > 1e-12 * abs(g[-1]) or not g[-1] < 0.0:
         return None
     width = float(np.prod((scene.upper - scene.lower)[:-1]))
-    shape = case.fluids[0].shape
-    spans = (isinstance(shape, Box) and len(case.fluids) == 1 and not case.closed
-             and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1]))
+    lower, upper = case.bounds_of(case.fluids[0])
+    spans = (isinstance(case.fluids[0].shape, Box) and len(case.fluids) == 1 and not case.closed
+             and np.allclose((upper - lower)[:-1], (scene.upper - scene.lower)[:-1]))
     extra = width * scene.step[-1] ** 2 if spans else 0.0
     return lambda volume: 0.5 * density * abs(g[-1]) * (volume**2 / width + extra)

@@ -10,7 +10,7 @@ from parisph.base.arrays import Floats
 from parisph.case.motion import AtRest
 from parisph.case.probes import AnyProbe
 from parisph.case.scene import Scene
-from parisph.case.sections import sections
+from parisph.case.sections import richest, sections
 from parisph.geometry.build import domain, fillings
 from parisph.geometry.solid import in_fluid, solid_of
 from parisph.geometry.standing import standing
@@ -30,10 +30,8 @@ def sketch(case: Scene) -> str:
     """
     if case.breadth is None:
         return _drawn(case, case.probes, "y")
-    parts = sections(case)
-    low, high, scene = max(parts, key=lambda part: (bool(part[2].fluids), len(part[2].bodies) + len(part[2].fluids),
-                                                    part[1] - part[0]))
-    (front, back), many = case.breadth, len(parts)
+    low, high, scene = richest(case)
+    (front, back), many = case.breadth, len(sections(case))
     whole = f"breadth {back - front:g} m, from y = {front:g} to {back:g} m"
     return "\n".join([_drawn(scene, case.probes, "z"), whole + (
         f"; this is the section from y = {low:g} to {high:g} m, one of {many}" if many > 1 else ", alike all across")])

@@ -76,7 +76,9 @@ def fill(case: Case, flow: Flow) -> None:
     if not build.weighed(case):
         own, reach = p.x[p.kind == FLUID], d.radius + s
         filling.weigh(flow, build.samples(case, own.min(axis=0) - reach, own.max(axis=0) + reach) if len(own) else ())
-    if not even:
+    if even:
+        filling.halve_on_lattice(flow)
+    else:
         filling.weigh_cells(flow)
     if case.numerics.jitter > 0.0:
         _jitter(case, flow, even)

@@ -38,6 +38,7 @@ from parisph.geometry.polygons import CLOSE, Chain, joined
 from parisph.geometry.raised import highest
 from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.spans import Span, container, scene_walls, spans
+from parisph.geometry.triangles import corner_parts
 
 FREE = 0.5    # of the depth of the water: least height of the front above it, where a Profile gives the breadth
 OVER = 1.0    # spacings of the front above the highest body that reaches its rim
@@ -73,7 +74,7 @@ def extruded(case: Scene) -> WallMesh:
     walls = scene_walls(case)
     numbers = motion_numbers(walls)
     bodies = tuple(MeshBody(wall.name, motion, slip_of(wall)) for wall, motion in zip(walls, numbers))
-    if len(case.bodies) == 1 and isinstance(tank := case.bodies[0], Tank) and tank.extent is not None:
+    if (tank := _lone(case)) is not None:
         box = Box(width=tank.width, height=tank.height, breadth=tank.breadth, at=tank.at)
         return replace(block_mesh(Lattice(box, tank, case.numerics.spacing)), bodies=bodies)
     meshes = [_group_mesh(case, motion) for motion in dict.fromkeys([walls[k].motion for k in np.argsort(
@@ -89,6 +90,11 @@ def moving_meshes(case: Scene) -> list[WallMesh]:
     """Return the meshes of the walls of a 3D scene that move in its frame, with bodies as in `extruded`."""
     motions = dict.fromkeys(wall.motion for wall in scene_walls(case) if not isinstance(wall.motion, AtRest))
     return [_group_mesh(case, motion) for motion in motions]
+
+
+def _lone(case: Scene) -> Tank | None:
+    """Return the tank if it is the only wall, or None."""
+    return case.tank if len(case.bodies) == 1 else None
 
 
 def _group_mesh(case: Scene, motion: Motion) -> WallMesh:
@@ -192,9 +198,9 @@ def _plane_mesh(plane: _Plane) -> WallMesh:
     elements = np.where(nodes.way[:, None] > 0, nodes.triangles[:, ::-1], nodes.triangles)
     body, vectors, area = nodes.body.copy(), np.zeros_like(x0), np.zeros(len(x0))
     size = area_vectors(x0[elements]) if len(elements) else np.empty((0, 3))
-    for corner in elements.T:
-        np.add.at(vectors, corner, size / 3.0)
-        np.add.at(area, corner, np.linalg.norm(size, axis=1) / 3.0)
+    for corner, part in zip(elements.T, corner_parts(x0[elements]).T):
+        np.add.at(vectors, corner, part[:, None] * size)
+        np.add.at(area, corner, part * np.linalg.norm(size, axis=1))
         body[corner] = np.where(body[corner] < 0, plane.body, body[corner])
     return WallMesh(x0=x0, normal0=nodes.normal, area=area, vector_area=vectors, share=nodes.share, cell=nodes.cell,
                     body=body.astype(np.int32), edge=nodes.edge, elements=elements.astype(np.int32),

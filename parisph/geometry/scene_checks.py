@@ -105,6 +105,9 @@ def facts(case: Scene) -> Facts | None:
         return _facts(case)
     found = [known for _, _, scene in sections(case) if (known := _facts(scene)) is not None]
     gap, wedge = min(found, key=lambda known: known.gap), min(known.wedge for known in found)
+    across, between = breadth_checks.gaps(case)[0]
+    if across < gap.gap:
+        gap = replace(gap, gap=across, between=between)
     mesh = scene_mesh(case)
     return replace(gap, elements=0 if mesh is None else len(mesh.elements), wedge=wedge, volume=volume(case),
                    lattice=_lattice(case))

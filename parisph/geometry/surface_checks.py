@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError
@@ -99,6 +98,8 @@ def _lost(case: Scene) -> Iterator[str]:
 
 def _thin(case: Scene) -> Iterator[str]:
     """Fluid between walls, and walls between fluid, thinner than GAP spacings, one of them a Surface's."""
+    from scipy.spatial import cKDTree    # other scenes do not load it
+
     s, mesh = case.numerics.spacing, room_mesh(case)
     corners = mesh.corners()
     middle, normal = corners.mean(axis=1), unit_normals(corners)

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial import Delaunay
 
 from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.errors import CaseError
@@ -25,6 +24,8 @@ def triangulated(nodes: Floats, edges: Ints, inside: Callable[[Floats], Flags], 
 
     Inner nodes lie on a lattice that divides the box around the region evenly. Raises CaseError.
     """
+    from scipy.spatial import Delaunay    # 2D scenes do not load it
+
     inner = _inner(nodes, edges, inside, spacing)
     points = np.concatenate([nodes, inner])
     lower, upper = points.min(axis=0), points.max(axis=0)
@@ -108,3 +109,19 @@ def _swapped(points: Floats, triangles: Ints, k: int, p: int, q: int) -> bool:
         return False
     triangles[pair[0]], triangles[pair[1]] = (r, t, p), (t, r, q)
     return True
+
+
+def corner_parts(corners: Floats) -> Floats:
+    """Return the part (m, 3) of each triangle (m, 3, dim) that is nearest to each of its corners, cut at their sides.
+
+    In an obtuse triangle, half is the corner's with the obtuse angle. So a node of a square lattice has a square,
+    whatever the diagonals.
+    """
+    side2 = np.stack([np.sum((corners[:, (k + 1) % 3] - corners[:, (k + 2) % 3]) ** 2, axis=1) for k in range(3)], axis=1)
+    # squares of the sides times the cotangents of the opposite angles, over twice the area
+    turned = side2 * (side2.sum(axis=1)[:, None] - 2.0 * side2)
+    parts: Floats = 0.5 * (1.0 - turned / np.maximum(turned.sum(axis=1), 1e-300)[:, None])
+    obtuse = turned < 0.0
+    any_ = obtuse.any(axis=1)
+    parts[any_] = np.where(obtuse[any_], 0.5, 0.25)
+    return parts

@@ -269,10 +269,7 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
     The tangential part is the value at the wall of a linear fit through the fluid within the radius. ACROSS radius^2,
     added to the variance of the distances, damps the slope across the wall: an undamped fit through one or two layers
     amplifies their disorder. The known part of the slope, the shear of irrotational flow beside a rotating wall, is not
-    damped.
-
-    Fluid slips along edges of 3D, too: the part along the edge is the weighted mean of the fluid. What is left at all
-    edges of 2D, and in corners where three walls meet, is the velocity of the wall.
+    damped. Corners move with the wall, in 3D all edges until `slip_along_edges`.
 
     u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
     shear : (n_owned, dim) [1/s], change of the tangential part per distance from the wall; radius : of the weight [m]
@@ -284,12 +281,36 @@ def wall_velocity(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, shear: np.nda
             continue
         for a in range(dim):
             u[i, a] = wall_u[i, a]
-        if outside(cloud.role[i]):
-            continue
-        if not cloud.corner[i]:
+        if not (cloud.corner[i] or outside(cloud.role[i])):
             _extrapolate(u, i, cloud, wall_u, shear, work, radius * radius)
-        elif dim == 3 and edge_direction(work[2], i, cloud):
-            _slip_along(u, work[2], i, cloud, wall_u, radius * radius)
+
+
+@kernel
+def slip_along_edges(u: np.ndarray, cloud: Cloud, wall_u: np.ndarray, radius: float) -> None:
+    """Add to the velocity of wall particles on edges that of the fluid along the edge (3D).
+
+    It is the weighted mean of the fluid within the radius, relative to the wall, without its parts across the two walls
+    that meet. What is left of it at the edges of 2D, and in corners where three walls meet, is nothing.
+
+    u : (n_all, dim) [m/s] of `wall_velocity`, rows of owned walls change; others as there
+    """
+    along, axes = np.empty(len(cloud.axes)), cloud.axes
+    for i in range(len(cloud.indptr) - 1):
+        if cloud.kind[i] != WALL or not cloud.corner[i] or outside(cloud.role[i]):
+            continue
+        if not edge_direction(along, i, cloud):
+            continue
+        total, slip = 0.0, 0.0
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if cloud.kind[j] != WALL:
+                w, _ = pair_weight(i, j, cloud.x, radius * radius, 0, axes)
+                total += w
+                for a in range(len(axes)):
+                    slip += w * (u[j, a] - wall_u[i, a]) * along[a]
+        if total > 0.0:
+            for a in range(len(axes)):
+                u[i, a] += slip / total * along[a]
 
 
 @kernel
@@ -354,22 +375,6 @@ def _extrapolate(u, i, cloud, wall_u, shear, work, radius2):
             slip += (u[j, a] - wall_u[i, a]) * normal[i, a]
         for a in range(dim):
             u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a] - y * shear[i, a])
-
-
-@subkernel
-def _slip_along(u, along, i, cloud, wall_u, radius2):
-    """Add the mean velocity of the fluid along an edge, relative to the wall."""
-    total, slip = 0.0, 0.0
-    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
-        j = cloud.indices[k]
-        if cloud.kind[j] != WALL:
-            w, _ = pair_weight(i, j, cloud.x, radius2, 0, cloud.axes)
-            total += w
-            for a in range(len(cloud.axes)):
-                slip += w * (u[j, a] - wall_u[i, a]) * along[a]
-    if total > 0.0:
-        for a in range(len(cloud.axes)):
-            u[i, a] += slip / total * along[a]
 
 
 @subkernel

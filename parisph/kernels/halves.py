@@ -22,12 +22,12 @@ PRESSED = 2.0       # tuned 1 to 4: most half cells that compressed fluid repres
 
 
 @inlined
-def deeper(corner: int, axes: tuple[int, ...]) -> float:
+def deeper(corner: int) -> float:
     """Return how much farther away the layers of fluid are from a node in a corner of 3D than in one of 2D, else 1.
 
     The first particle is sqrt(3) spacings away where three walls meet, and sqrt(2) where two do.
     """
-    return math.sqrt(0.5 * len(axes)) if corner else 1.0
+    return math.sqrt(1.5) if corner else 1.0
 
 
 @kernel
@@ -54,6 +54,8 @@ def wall_share(share: np.ndarray, cloud: Cloud, cells: np.ndarray, most: float, 
                 away += (x[j, a] - x[i, a]) * normal[i, a]
                 r2 += (x[j, a] - x[i, a]) ** 2
             along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
-            if 0.0 < away < before * spacing * deeper(cloud.corner[i], cloud.axes) and along < 1.0:
+            if len(cloud.axes) == 3:
+                away /= deeper(cloud.corner[i])
+            if 0.0 < away < before * spacing and along < 1.0:
                 total += (1.0 - along) * min(max(2.0 * (cells[j] - 1.0), 0.0), 1.0)
         share[i] = min(total, most)

@@ -130,7 +130,8 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
                 away += (x[j, a] - x[i, a]) * normal[i, a]
                 r2 += (x[j, a] - x[i, a]) ** 2
             along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
-            away /= deeper(cloud.corner[i], cloud.axes)
+            if len(cloud.axes) == 3:
+                away /= deeper(cloud.corner[i])
             if 0.0 < away < FAR * spacing and along < 1.0:
                 total += (1.0 - along) * min((FAR - away / spacing) / (FAR - LAYER), 1.0)
         covered[i] = min(total, 1.0)

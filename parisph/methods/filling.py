@@ -52,16 +52,8 @@ def weigh_cells(flow: Flow) -> None:
     they stay in place and half of their cells is air. Also marks those that represent half a cell (`halve`).
     """
     p, d, s = flow.particles, flow.domain, flow.spacing
-    fluid = np.flatnonzero(p.kind_all == FLUID)
-    own = fluid[fluid < p.n_owned]
-    inner = own[p.role[own] == INNER]
-    cells, beside = p.volume_all / s**p.dim, np.zeros(p.n_all)
-    d.update(*flow.walls.cover(flow))
-    walls = np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
-    if len(walls) and len(fluid):
-        places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
-        nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
-        beside += np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
+    inner = np.flatnonzero((p.kind == FLUID) & (p.role == INNER))
+    cells, beside = p.volume_all / s**p.dim, _beside(flow)
     cells -= beside
     halve(flow, cells, beside > 0.0)
     p.weight[inner] = cells[inner]
@@ -71,6 +63,28 @@ def weigh_cells(flow: Flow) -> None:
     strain.mean_over_fluid(mean, inside, p.weight_all, lengths.NEAR * s)
     p.weight[inner] = mean[inner]
     d.update("weight")
+
+
+def _beside(flow: Flow) -> Floats:
+    """Return the half cells of nodes for which each fluid particle is the nearest (n_all,). Collective."""
+    p, s, found = flow.particles, flow.spacing, np.zeros(flow.particles.n_all)
+    flow.domain.update(*flow.walls.cover(flow))
+    fluid, walls = np.flatnonzero(p.kind_all == FLUID), np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
+    if len(walls) and len(fluid):
+        places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
+        nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
+        found += np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
+    return found
+
+
+def halve_on_lattice(flow: Flow) -> None:
+    """Mark the surface particles that represent half a cell, of fluid on the lattice of its tank. Collective.
+
+    Where three walls meet at the surface, a particle has 9/8 of a cell, half of which is above the water.
+    """
+    beside = _beside(flow)
+    halve(flow, flow.cells - beside, beside > 0.0)
+    flow.domain.update("half")
 
 
 def halve(flow: Flow, cells: Floats, at_walls: Flags) -> None:

@@ -158,8 +158,8 @@ class Flow:
         shear = -elements.of_particles(elements.turn, p) if elements.moving else np.zeros_like(p.u)
         turn = 2.0 * self.turn(time) - self.swirl(time)[:p.n_owned]
         if np.any(turn):    # numpy is slow along a short last axis
-            shear[:, 0] += turn * p.normal[:, 1]
-            shear[:, 1] -= turn * p.normal[:, 0]
+            shear[:, 0] += turn * p.normal[:, -1]
+            shear[:, -1] -= turn * p.normal[:, 0]
         return shear
 
     def swirl(self, time: float) -> Floats:

@@ -37,12 +37,11 @@ class Coriolis(ForceTerm):
     That is u + dt/2 a, with the acceleration a of the last step. It is of second order both for water in free flight,
     whose speed it keeps, and for water in which pressure balances the force. A rotation of u by -2 Omega dt would be
     exact for the former and shrink the latter by cos(2 Omega dt) in each step, as pressure removes the component normal
-    to u. At walls, the velocity is that of the water along them.
+    to u. At walls, the velocity is that of the water along them. In 3D the tank turns in its section.
     """
 
     name, source, reach, only, words = "coriolis", "", lengths.WALL, "turning", "Coriolis force"
     fields = ("acceleration", "halfway")
-    dims = (2,)
 
     def add(self, out: Floats, flow: "Flow", time: float) -> None:
         p, d = flow.particles, flow.domain
@@ -52,8 +51,8 @@ class Coriolis(ForceTerm):
                                lengths.WALL * flow.spacing)
         d.update("halfway")
         spin = flow.turn(time)
-        out[:, 0] += 2.0 * spin * p.halfway_all[:, 1]
-        out[:, 1] -= 2.0 * spin * p.halfway_all[:, 0]
+        out[:, 0] += 2.0 * spin * p.halfway_all[:, -1]
+        out[:, -1] -= 2.0 * spin * p.halfway_all[:, 0]
 
 
 class Viscous(ForceTerm):

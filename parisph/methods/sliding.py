@@ -26,6 +26,8 @@ def write_wall_velocity(flow: "Flow", shear: Floats, later: float = 0.0) -> None
     if moved is not None:
         own = own + later * moved
     gradient.wall_velocity(p.u_all, flow.cloud, own, shear, lengths.WALL * flow.spacing)
+    if p.dim == 3:
+        gradient.slip_along_edges(p.u_all, flow.cloud, own, lengths.WALL * flow.spacing)
     if flow.sticks:
         sticky = (p.kind == WALL) & (p.no_slip == 1)
         p.u[sticky] = own[sticky]

@@ -9,6 +9,7 @@ from parisph.base.fields import FLUID
 from parisph.base.paths import AnyPath
 from parisph.case.bodies import Profile
 from parisph.case.schema import Case
+from parisph.case.sections import richest
 from parisph.case.shapes import Tank
 from parisph.geometry.build import build, counts, domain
 from parisph.geometry.solid import Wall, solid_of
@@ -51,8 +52,14 @@ def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0
 def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
     """Draw fluid, walls, zones and probes of a case at the start, with names; return the matplotlib Figure.
 
-    path : of the picture, or None. Raises CaseError, StoreError.
+    path : of the picture, or None. Of a case in 3D, the section with most bodies is drawn, with all probes. Raises
+    CaseError, StoreError.
     """
+    title, upwards = case.title, "$y$ [m]"
+    if case.dim == 3:
+        low, high, part = richest(case)
+        title, upwards = f"{title}: section from y = {low:g} to {high:g} m", "$z$ [m]"
+        case = part.model_copy(update={"probes": case.probes})
     lower, upper = domain(case)
     upper = np.maximum(upper, case.fluid_bounds[1])
     ends = window.of([], [np.array([lower, upper])])
@@ -66,9 +73,9 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
     style.discs(axes, x, 1.4 * size, facecolors=WATER, zorder=1.1)
     draw_bodies(axes, case, floor=ends[1][0])
     draw_marks(axes, case, ends, walls=True)
-    axes.set(xlim=ends[0], ylim=ends[1], xlabel="$x$ [m]", ylabel="$y$ [m]", aspect=times)
+    axes.set(xlim=ends[0], ylim=ends[1], xlabel="$x$ [m]", ylabel=upwards, aspect=times)
     more = window.said(times)
-    axes.set_title(style.literal(case.title) + (f"\n{more}" if more else ""), loc="left", fontsize=11)
+    axes.set_title(style.literal(title) + (f"\n{more}" if more else ""), loc="left", fontsize=11)
     style.save(picture, path)
     return picture
 

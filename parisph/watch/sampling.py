@@ -35,7 +35,7 @@ class ProbeScene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of the tank, or of the
     fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
-    constant in the tank's frame; now : the walls at any time, None without walls; sides : x of both sides of the first
+    constant in the tank's frame; now : the walls at any time, None without walls and in 3D; sides : x of both sides of the first
     tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
@@ -59,7 +59,7 @@ class ProbeScene:
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.fillings(case)[0].step, case.density, *build.domain(case), case.tank is not None,
                    np.zeros(case.dim) if gravity is None else gravity,
-                   None if mesh is None else WallsNow(mesh, standing(case)), sides,
+                   None if mesh is None or case.dim == 3 else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
     def bed_at(self, x: Floats, time: float = 0.0) -> Floats | None:

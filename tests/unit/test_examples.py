@@ -76,6 +76,6 @@ def test_a_record_has_the_signature_of_its_fields_and_help_of_its_own(name):
 
 def test_the_signature_is_that_of_a_call():
     assert str(inspect.signature(schema.Box)) == (
-        "(width: float, height: float, at: tuple[float, ...] = (0.0, 0.0))")
+        "(width: float, height: float, at: tuple[float, ...] = (0.0, 0.0), breadth: Optional[float] = None)")
     bound = inspect.signature(schema.Sway).bind(0.1, 2.0, ramp=1.0)
     assert schema.Sway(*bound.args, **bound.kwargs) == schema.Sway(amplitude=0.1, frequency=2.0, ramp=1.0)

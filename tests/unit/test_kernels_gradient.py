@@ -222,6 +222,8 @@ def test_symmetric_gradient_inside_a_lattice(dim):
 def moved_walls(pool, u, wall_u):
     u = u.copy()
     gradient.wall_velocity(u, pool.cloud, wall_u, np.zeros_like(wall_u), 2.6 * pool.spacing)
+    if pool.dim == 3:
+        gradient.slip_along_edges(u, pool.cloud, wall_u, 2.6 * pool.spacing)
     return u
 
 

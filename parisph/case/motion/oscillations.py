@@ -117,7 +117,7 @@ class Sway(_Harmonic):
 
     amplitude : [m]
     frequency : angular [rad/s], or `period` [s]
-    direction : (x, y)
+    direction : (x, y); in 3D (x, y, z), of which y runs across, such as (1, 1, 0) along a diagonal
     ramp : [s] in which it grows to its amplitude; default 0
 
     >>> print(f"{Sway(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")    # after half a period
@@ -156,7 +156,7 @@ class Roll(_Oscillation, Rotation):
 
     amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is accepted too
     frequency : angular [rad/s], or `period` [s], of a harmonic roll
-    centre : (x, y) [m]
+    centre : (x, y) [m]; in 3D (x, z), as the section turns
     ramp : [s] in which a harmonic roll grows to its amplitude; default one period, 0 for a sudden start
 
     >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
@@ -225,7 +225,7 @@ class Roll(_Oscillation, Rotation):
 
 
 class Moved(Translation):
-    """A measured translation, series, along a direction.
+    """A measured translation, series, along a direction, (x, y), in 3D (x, y, z) or (x, z).
 
     >>> path = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
     >>> print(f"{Moved(path, direction=(0.0, 1.0)).law(2.0)[0]:.3f} m")

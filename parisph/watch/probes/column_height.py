@@ -21,12 +21,13 @@ class ColumnHeight(Gauge):
     0.0
     """
 
+    dims = (2,)
     quantity = "column height $y$"
 
     kind: Literal["column_height"] = Field(default="column_height", init=False)
 
     def title(self, scene: Any) -> str:
-        return f"Height of the water column at x = {self.at:g} m"
+        return f"Height of the water column at {self.where}"
 
     def rows(self, view: View) -> Floats:
         return column_rows(view, self.at, COLUMN_GAP)

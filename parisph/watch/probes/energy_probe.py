@@ -1,5 +1,6 @@
 """The energy of the fluid."""
 
+from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +10,7 @@ from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError
 from parisph.base.fields import WET
 from parisph.case.probes import Probe
+from parisph.case.scene import Scene
 from parisph.geometry.mesh import CONCAVE, CONVEX
 from parisph.watch.sampling import ProbeScene, View
 
@@ -42,6 +44,10 @@ class Energy(Probe):
 
     def title(self, scene: Any) -> str:
         return "Energy of the fluid" + ", by the volumes at the start and by those now" * self.current
+
+    def problems(self, case: Scene) -> Iterator[str]:
+        if self.current and case.dim != 2:
+            yield "current volumes exist in 2D only; leave out current=True"
 
     def columns_in(self, scene: ProbeScene) -> dict[str, str]:
         if self.current and scene.dim != 2:

@@ -7,16 +7,16 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Flags, Floats
-from parisph.base.errors import CaseError
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import Plate
+from parisph.case.breadth import section_of
 from parisph.case.probes import WIDTH, Measure, OfPressure
 from parisph.case.scene import Scene
 from parisph.geometry.distance import area_vectors, nearest, unit_normals
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places
-from parisph.geometry.solid import Wall, in_fluid
+from parisph.geometry.solid import Wall
 from parisph.watch.sampling import ProbeScene, View
 
 RADIUS = 3.0    # [spacings] radius of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
@@ -32,7 +32,8 @@ class PressureTap(OfPressure):
     """Pressure [Pa] on a wall at the point `at` [m], which is its place at t = 0 and moves with a moving wall.
 
     It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. A single
-    wall particle becomes wet within one step, and would show an impact too late and too abruptly.
+    wall particle becomes wet within one step, and would show an impact too late and too abruptly. In 3D the face is
+    round.
 
     diameter : [m] of a round sensor, for the mean over its disc instead: in 2D along the wall, weighted by the chords
         of the disc
@@ -53,7 +54,8 @@ class PressureTap(OfPressure):
     quantity = "pressure $p$"
 
     kind: Literal["pressure_tap"] = Field(default="pressure_tap", init=False)
-    at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
+    at: Annotated[tuple[float, ...], Field(
+        min_length=2, max_length=3, description="point (x, y) on a wall, in 3D (x, y, z) [m]")]
     radius: Optional[float] = Field(
         default=None, gt=0, description="radius of the face of the tap [m], at least one spacing; default 3 spacings")
     diameter: Optional[float] = Field(default=None, gt=0, description="diameter of the disc of the sensor [m]")
@@ -76,12 +78,15 @@ class PressureTap(OfPressure):
             yield "a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
         elif found := list(probe_checks.components(case, at=self.at)):
             yield from found
+        elif self.diameter is not None and case.dim == 3:
+            yield f"diameter = {self.diameter:g}: the disc of a sensor exists in 2D only; give a radius instead"
 
     def misplaced(self, places: Places) -> Iterator[str]:
         """See Probe: it is on the side of a wall that fluid can reach."""
-        mesh, walls, s = places.mesh, places.walls, places.spacing
+        mesh, s = places.mesh, places.spacing
         if mesh is None:
             return
+        walls = [places.bodies[body.name] for body in mesh.bodies]
         element = tap_element(mesh, walls, self, s)
         number = mesh.element_body[element]
         name, wall = mesh.bodies[number].name, walls[number]
@@ -89,10 +94,10 @@ class PressureTap(OfPressure):
         apart, _, foot = nearest(np.array([self.at]), corners)
         normal = unit_normals(corners)[0]
         before = foot + LIFT * (s * normal + corners[0].mean(axis=0) - foot)    # off the other wall of a corner
-        hidden = [wall.name for wall in walls if not in_fluid([wall], before)[0]]
+        hidden = places.hidden(before[0])
         if apart[0] > TAP * s:
-            yield (f"at = {self.at} is not on a wall; the nearest place on one is "
-                   f"({foot[0, 0]:.6g}, {foot[0, 1]:.6g}) on {name}")
+            near = ", ".join(f"{value:.6g}" for value in np.round(foot[0], 12) + 0.0)
+            yield f"at = {self.at} is not on a wall; the nearest place on one is ({near}) on {name}"
         elif isinstance(wall, Plate) and self.side is None:
             yield (f'{name} has two sides; give side="left" or side="right", as seen along its points from '
                    f"{wall.points[0]} to {wall.points[-1]}")
@@ -128,8 +133,8 @@ class Tap(Measure):
         # the wall of the tap at t = 0; tap and nodes then move with its body
         element = tap_element(now.mesh, now.walls, probe, scene.spacing)
         normal = unit_normals(now.mesh.corners()[[element]])[0]
-        self.axes = np.array([normal, [-normal[1], normal[0]]])
-        self.across = np.arange(2) == 0
+        self.axes = _axes(normal)
+        self.across = np.arange(scene.dim) == 0
         motions = np.array([body.motion for body in now.mesh.bodies])
         number = now.mesh.element_body[element]
         self._alike = np.flatnonzero(motions == motions[number])    # bodies with the motion of that of the tap
@@ -165,8 +170,6 @@ class DiscTap(Tap):
 
     def __init__(self, probe: PressureTap, scene: ProbeScene) -> None:
         super().__init__(probe, scene)
-        if scene.dim != 2:
-            raise CaseError(f"probe {probe.name!r}: the disc of a sensor exists in 2D only; leave out diameter")
         self.radius = 0.5 * (probe.diameter or 0.0)
 
     def sums(self, view: View) -> Floats:
@@ -203,11 +206,20 @@ def tap_element(mesh: WallMesh, walls: Sequence[Wall], probe: PressureTap, spaci
 
 
 def _on_left(corners: Floats, points: Floats) -> Flags:
-    """Return whether elements (M, 2, 2) of a plate are on its left side, as seen along its points, (M,) bool."""
-    piece = nearest(corners.mean(axis=1), np.stack([points[:-1], points[1:]], axis=1))[1]
-    along = np.diff(points, axis=0)[piece]
-    found: Flags = np.sum((corners[:, 1] - corners[:, 0]) * along, axis=1) > 0.0
+    """Return whether elements (M, dim, dim) of a plate are on its left side, as seen along its points, (M,) bool."""
+    piece = nearest(section_of(corners.mean(axis=1)), np.stack([points[:-1], points[1:]], axis=1))[1]
+    along, normal = np.diff(points, axis=0)[piece], section_of(area_vectors(corners))
+    found: Flags = normal[:, 1] * along[:, 0] - normal[:, 0] * along[:, 1] > 0.0
     return found
+
+
+def _axes(normal: Floats) -> Floats:
+    """Return axes (dim, dim) of a wall: its normal (dim,), and one or two unit vectors along it."""
+    if len(normal) == 2:
+        return np.array([normal, [-normal[1], normal[0]]])
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    first /= np.linalg.norm(first)
+    return np.array([normal, first, np.cross(normal, first)])
 
 
 def _on_face(mesh: WallMesh, element: int, at: Floats, normal: Floats, radius: float, spacing: float) -> bool:

@@ -38,7 +38,7 @@ class SurfaceGauge(Gauge):
         default=None, kw_only=True)
 
     def title(self, scene: Any) -> str:
-        return f"Height of the free surface above x = {self.at:g} m"
+        return f"Height of the free surface above {self.where}"
 
     def rows(self, view: View) -> Floats:
         return surface_rows(view, self.at)

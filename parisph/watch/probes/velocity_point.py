@@ -1,6 +1,7 @@
 """Velocity and pressure at one point inside the fluid."""
 
 from collections.abc import Iterator
+from itertools import product
 from typing import Any, Literal
 
 import numpy as np
@@ -38,6 +39,6 @@ class VelocityPoint(AtPoints):
         yield from list(probe_checks.components(case, at=self.at)) or probe_checks.inside(case, "at", [self.at])
 
     def misplaced(self, places: Places) -> Iterator[str]:
-        around = TIE * places.spacing * np.array([(0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)])
+        around = TIE * places.spacing * np.array([(0,) * len(self.at), *product((1, -1), repeat=len(self.at))])
         if not places.in_front(self.at + around, resting=True):
             yield f"at = {self.at} is not in front of the walls, where fluid can come; move it"

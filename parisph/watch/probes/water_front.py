@@ -22,6 +22,7 @@ class WaterFront(Probe):
     """
 
     columns = {"x": "m"}
+    dims = (2,)
     quantity = "front position $x$"
 
     kind: Literal["water_front"] = Field(default="water_front", init=False)
