@@ -98,7 +98,8 @@ def _lost(case: Scene) -> Iterator[str]:
 
 def _thin(case: Scene) -> Iterator[str]:
     """Fluid between walls, and walls between fluid, thinner than GAP spacings, one of them a Surface's."""
-    from scipy.spatial import cKDTree    # other scenes do not load it
+    # other scenes do not load it
+    from scipy.spatial import cKDTree
 
     s, mesh = case.numerics.spacing, room_mesh(case)
     corners = mesh.corners()
