@@ -1,0 +1,50 @@
+"""A run with a Surface goes on from its folder alone: on more ranks, without the file and without the libraries."""
+
+import numpy as np
+import pytest
+
+from parisph.io import reader
+from tests.running import last_checkpoint
+from tests.scenes import assert_same, on_ranks
+from tests.triangles import sphere, write_stl
+
+for name in ("trimesh", "manifold3d", "pymeshlab"):
+    pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
+
+BODY = """
+from parisph import *
+from parisph import driver
+
+def fall(end):
+    return Case(title="Rock", fluid=Fluid(Box(width=0.6, height=0.5, breadth=0.6), 1000.0), gravity=(0.0, -9.81),
+                walls=[Tank(width=1.2, height=0.8, breadth=0.6), Surface("rock.stl", name="rock")],
+                numerics=Numerics(spacing=0.1, rtol=1e-13, time_step=0.01), end_time=end,
+                output=Output(every=0.05, checkpoint_every=0.05))
+"""
+FIRST = """
+driver.run(fall(0.2), comm, "whole", progress=False)
+driver.run(fall(0.1), comm, "part", progress=False)
+"""
+THEN = """
+import sys
+for name in ("trimesh", "manifold3d", "pymeshlab"):
+    sys.modules[name] = None    # as if they were not installed
+driver.restart("part", comm, until=0.2, progress=False)
+driver.restart("part/checkpoints/00000010.h5", comm, until=0.2, out="other", progress=False)
+"""
+
+
+def test_goes_on_without_the_file_and_the_libraries(tmp_path):
+    write_stl(tmp_path / "rock.stl", sphere(3, 0.15, (0.75, 0.3, 0.05)))
+    on_ranks(1, BODY + FIRST, tmp_path, timeout=300)
+    (tmp_path / "rock.stl").unlink()
+    on_ranks(2, BODY + THEN, tmp_path, timeout=300)
+    (due, expected) = last_checkpoint(tmp_path / "whole")
+    for run in ("part", "other"):
+        found, fields = last_checkpoint(tmp_path / run)
+        assert (found["ranks"], found["step"]) == (2, due["step"]) == (2, 20)
+        assert_same(expected, fields, 1e-8, ("x", "u", "p"))
+        assert (tmp_path / run / "walls.h5").is_file()
+    assert np.abs(expected["u"]).max() > 0.5
+    run = reader.open_run(tmp_path / "other")
+    assert run.scene.surfaces[0].name == "rock"
