@@ -1,12 +1,11 @@
 """A solitary wave meets a breakwater with a round head, whose surface is in an STL file.
 
-The breakwater stands at the front of a flume 1 m broad and reaches over 0.6 m of it, with slopes of 1 : 1.25. The wave
-is diffracted around its head, and runs up its side. `breakwater.stl` is closed and reaches below the bed and beyond the
-front wall, so that the flume cuts it; it was made by `python cases/breakwater_stl.py`. A tap on the slope before the
-wave, and the velocity beside the head.
+The breakwater stands at the front of a flume 1 m broad and closes 0.43 m of it at the level of the water, with slopes
+of 1 : 1.25. The wave runs up its side, and bends around its head. `breakwater.stl` is closed and reaches below the bed
+and beyond the front wall, so that the flume cuts it; it was made by `python cases/breakwater_stl.py`.
 
-parisph run cases/breakwater_stl.py --set spacing=0.05 --set end_time=2.5     # coarse: 3 minutes on two cores
 mpirun -n 2 parisph run cases/breakwater_stl.py
+mpirun -n 2 parisph run cases/breakwater_stl.py --set spacing=0.075      # coarse
 """
 
 from math import cos, pi, sin
@@ -18,7 +17,6 @@ from parisph import (
     Fluid,
     Numerics,
     Output,
-    PressureTap,
     SolitaryWave,
     StillWater,
     Surface,
@@ -26,16 +24,16 @@ from parisph import (
     VelocityPoint,
 )
 
-DEPTH, LENGTH, BREADTH, HEIGHT = 0.25, 4.0, 1.0, 0.5     # of the water; of the flume [m]
+DEPTH, LENGTH, BREADTH, HEIGHT = 0.3, 4.0, 1.0, 0.6     # of the water; of the flume [m]
 
 
 def case(
-    spacing: float = 0.025,             # [m]
+    spacing: float = 0.05,              # [m]
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 3.0,              # [s]
     time_step: float | None = None,     # [s]; none to adapt it
-    height: float = 0.08,               # of the wave [m]
+    height: float = 0.1,                # of the wave [m]
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # [s]
@@ -54,7 +52,7 @@ def case(
         ),
         output=Output(every=snapshot_every, checkpoint_every=0.5),
         probes=[
-            PressureTap("slope", at=(2.09, 0.1, 0.12)),
+            VelocityPoint("slope", at=(1.9, 0.1, 0.2)),
             VelocityPoint("head", at=(2.4, 0.85, 0.12)),
             Energy("energy"),
         ],
@@ -67,7 +65,7 @@ def write_stl(path: Path, sides: int = 24) -> None:
     low, high = ([(2.4 + radius * sin(angle), end + radius * cos(angle), z)
                   for angle in (pi * (k / sides - 0.5) for k in range(sides + 1)) for end in (0.25,)]
                  + [(2.4 + radius, -0.2, z), (2.4 - radius, -0.2, z)]
-                 for radius, z in ((0.51, -0.04), (0.06, 0.32)))
+                 for radius, z in ((0.61, -0.04), (0.06, 0.4)))
     count, faces = len(low), []
     for k in range(count):
         a, b, c, d = low[k], low[(k + 1) % count], high[(k + 1) % count], high[k]
