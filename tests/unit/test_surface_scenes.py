@@ -6,8 +6,10 @@ import pytest
 from parisph import Box, Case, Fluid, Numerics, Obstacle, Plate, Profile, StillWater, Surface, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, SURFACE, WALL, WET
+from parisph.driver.conservation import has_level
 from parisph.geometry import build, scene_checks, scene_room
 from parisph.geometry.room_filling import below
+from parisph.watch.sampling import ProbeScene
 from tests.triangles import box, sheet, sphere, write_stl
 
 for name in ("trimesh", "manifold3d", "pymeshlab"):
@@ -184,3 +186,10 @@ def test_scenes_that_surfaces_do_not_fit_are_refused(tmp_path):
 def test_stored_case_gives_the_same_scene(tmp_path):
     case = scene(TANK, surface(tmp_path, box((0.4, 0.3, 0.3), (0.8, 0.3, 0.0)), scale=1.0, name="rock"))
     assert Case.model_validate_json(case.model_dump_json()) == case
+
+
+def test_water_around_a_surface_has_no_level_that_its_volume_gives(tmp_path):
+    rock = surface(tmp_path, box((0.4, 0.3, 0.3), (0.8, 0.3, 0.0)))
+    for walls, level in (((TANK,), True), ((TANK, rock), False)):
+        case = scene(*walls)
+        assert has_level(case, ProbeScene.of(case)) is level
