@@ -11,7 +11,7 @@ from parisph.case.lattice import FIT
 from parisph.case.motion import Sway, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names, fluid_names
-from parisph.case.sections import cuts
+from parisph.case.sections import bodies_across, cuts
 from parisph.case.shapes import Box, Tank
 
 LEAST = 4.0     # spacings of breadth: in a narrower scene all fluid is beside the front or the back
@@ -25,7 +25,7 @@ def problems(case: Scene) -> list[str]:
     if case.breadth is None:
         return [*_without(case), *_expressions(case)]
     found = [*_breadths(case), *_expressions(case), *_ways(case)]
-    return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_fluids(case)]
+    return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_makers(case), *_fluids(case)]
 
 
 def warnings(case: Scene) -> list[str]:
@@ -129,7 +129,7 @@ def _outside(case: Scene) -> Iterator[str]:
     slack = FIT * case.numerics.spacing
     for name, part in _parts(case):
         own = part.extent
-        if own is None or (own[0] >= low - slack and own[1] <= high + slack):
+        if own is None or ".holes" in name or (own[0] >= low - slack and own[1] <= high + slack):
             continue
         yield (f"{name}: reaches across from y = {own[0]:g} to {own[1]:g}: must lie within the scene, from {low:g} to "
                f"{high:g}; move it, make it narrower, or enlarge the breadth")
@@ -143,6 +143,19 @@ def _near(case: Scene) -> Iterator[str]:
             yield (f"walls, {' and '.join(_ending(case, low, high))}: only {high - low:.3g} m are between the ends y = "
                    f"{low:g} and {high:g}, {(high - low) / s:.2g} spacings, and no wall elements fit there; let them "
                    f"end at the same y, or use a spacing of at most {rounded_down((high - low) / TOGETHER)}")
+
+
+def _makers(case: Scene) -> Iterator[str]:
+    """Wavemakers beside which fluid would come behind them: those of a side must reach across together."""
+    named, ends = list(zip(body_names(case.bodies), case.bodies)), cuts(case).tolist()
+    for on_left in (False, True):
+        own = [(name, number) for number, (name, body) in enumerate(named)
+               if isinstance(body, (Piston, Flap)) and body.fluid_on_left is on_left]
+        free = [(low, high) for low, high in zip(ends, ends[1:])
+                if own and not {number for _, number in own} & set(bodies_across(case, low, high))]
+        for low, high in free[:1]:
+            yield (f"walls, {own[0][0]}: a wavemaker has no fluid behind it, and beside this one, from y = {low:g} to "
+                   f"{high:g}, fluid would come there; let it reach across the whole scene, or put others beside it")
 
 
 def _fluids(case: Scene) -> Iterator[str]:

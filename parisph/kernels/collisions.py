@@ -38,8 +38,8 @@ def pair_collisions(change: np.ndarray, cloud: Cloud, number: np.ndarray, u: np.
     The approach is the smaller of d . (u_i - u_j) and its excess over a linear velocity, d . (u_i - u_j) + d . (g_i +
     g_j) d/2, with d = x_j - x_i. Smooth strain thus causes no collisions. Each impulse is divided by the larger
     `number` of the pair. Momentum is conserved for masses in proportion to the volumes. Energy does not rise, whatever
-    the masses: each pair loses energy alone, and the change of a particle is a mean of those by its pairs. All impulses use the velocities before the collisions, so that the result
-    is independent of the order of pairs and of ranks.
+    the masses: a pair alone loses it, and the change of a particle is a mean over its pairs. All impulses use the
+    velocities before the collisions, so that the result is independent of the order of pairs and of ranks.
 
     change : (n_owned, dim) output [m/s]; number : (n_all,) of count_collisions
     g : (n_all, dim, dim), velocity gradient [1/s]; the volumes of fluid must be > 0

@@ -31,7 +31,7 @@ ORDER = 5         # of the polynomial of the end correction
 GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with the weights 8/9 and 5/9
 # six points of a triangle, exact up to the fourth degree (Dunavant 1985): coordinates of two corners, and weights
 OF_SIDES, NEAR_SIDES = 0.445948490915965, 0.223381589678011
-OF_CORNERS, NEAR_CORNERS = 0.091576213509771, 0.109951743655322
+OF_CORNERS, NEAR_CORNERS = 0.091576213509771, 0.109951743655322    # those near corners, before them those near sides
 
 
 class KernelTable(NamedTuple):

@@ -18,7 +18,7 @@ THIN = 0.3      # tuned 0.15 to 0.6: least distance of the last two layers; judg
 THICK = 1.5     # tuned 1 to 3: largest distance of the last two layers; judged
 # coefficients of a parabola for this distance, fitted on lattices (`_layer`)
 FIRST, SECOND = 1.05, 2.3
-FIRST_3D, SECOND_3D = 0.9, 2.2
+FIRST_3D, SECOND_3D = 0.9, 2.2    # the same in 3D
 LEAST = 0.5     # tuned 0.25 to 1: least mean depth of the neighbours in spacings, about one if orderly; judged
 
 

@@ -112,8 +112,8 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
     """Write the part of each owned wall particle that fluid covers, 0 to 1; fluid gets 1.
 
     covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall. a_ij is 1 for fluid up to
-    LAYER in front of it, and falls to 0 at FAR, in corners of 3D at `deeper` times that. The solid behind dry walls completes no kernel sums: above the water
-    line there is no fluid to continue.
+    LAYER in front of it, and falls to 0 at FAR, in corners of 3D at `deeper` times that. The solid behind dry walls
+    completes no kernel sums: above the water line there is no fluid to continue.
     """
     x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
     for i in range(len(cloud.indptr) - 1):

@@ -12,6 +12,7 @@ from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
 from parisph.methods.flow import Flow
 
+AT_WALL = 1.5  # spacings: fluid this near to a wall may represent more or less than other fluid beside it
 TIE = 1e-3    # spacings by which nodes are moved, so that none is equally near to two lattice particles
 
 
@@ -55,7 +56,7 @@ def weigh_cells(flow: Flow) -> None:
     inner = np.flatnonzero((p.kind == FLUID) & (p.role == INNER))
     cells, beside = p.volume_all / s**p.dim, _beside(flow)
     cells -= beside
-    halve(flow, cells, beside > 0.0)
+    halve(flow, cells, (beside > 0.0) | _at_slopes(flow))
     p.weight[inner] = cells[inner]
     d.update("weight", "half")
     mean = np.empty(p.n_owned)
@@ -74,6 +75,19 @@ def _beside(flow: Flow) -> Floats:
         places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
         nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
         found += np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
+    return found
+
+
+def _at_slopes(flow: Flow) -> Flags:
+    """Return which fluid particles (n_all,) are within AT_WALL of a covered node in 3D. Not collective.
+
+    There the nearest fluid of all nodes before the end of the water on a slope may be inner fluid.
+    """
+    p, found = flow.particles, np.zeros(flow.particles.n_all, bool)
+    fluid, walls = np.flatnonzero(p.kind_all == FLUID), np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
+    if p.dim == 3 and len(fluid) and len(walls):
+        near = walls[nearest_points(p.x_all[walls], p.x_all[fluid], flow.spacing)]
+        found[fluid] = np.linalg.norm(p.x_all[near] - p.x_all[fluid], axis=1) < AT_WALL * flow.spacing
     return found
 
 

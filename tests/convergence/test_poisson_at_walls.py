@@ -11,6 +11,9 @@ import pytest
 from parisph import Box, Obstacle, Polygon, Profile, StillWater, Tank
 from parisph.base.fields import INNER, WET
 from parisph.kernels import curvature
+from parisph.patch import arrangement
+from parisph.patch.derivatives import discrete
+from parisph.patch.solution import solution
 from tests.manufactured import orders
 from tests.scenes import simulated, water
 
@@ -81,3 +84,48 @@ def test_walls_of_any_shape_are_as_good_as_a_tank(name, wall_rows, field, order)
     found, due = errors(name, wall_rows, field), errors("tank", wall_rows, field)
     assert orders(SPACINGS[::2], found[::2]) >= order
     assert np.all(found <= 2.0 * due), (found, due)
+
+
+def harmonic_3d(x, y, z):
+    """Return value, gradient and Laplacian of the pressure of a wave across a tank, which is harmonic."""
+    along, across, k = 1.2 * x, 1.6 * y, 2.0
+    value = np.cos(along) * np.cos(across) * np.cosh(k * z)
+    return value, np.stack([-1.2 * np.sin(along) * np.cos(across) * np.cosh(k * z),
+                            -1.6 * np.cos(along) * np.sin(across) * np.cosh(k * z),
+                            k * np.cos(along) * np.cos(across) * np.sinh(k * z)], axis=1), 0.0 * x
+
+
+def other_3d(x, y, z):
+    """The same of a pressure that is not."""
+    a, b, c = K * x + 0.3, 1.5 * K * y + 0.2, K * z + 0.5
+    value = np.cos(a) * np.sin(b) * np.cos(c)
+    return value, K * np.stack([-np.sin(a) * np.sin(b) * np.cos(c), 1.5 * np.cos(a) * np.cos(b) * np.cos(c),
+                                -np.cos(a) * np.sin(b) * np.sin(c)], axis=1), -4.25 * K * K * value
+
+
+def error_in_a_cube(cells, wall_rows, field, jitter):
+    """Return the rms error over the range in a tank of 1 m, p being known at its surface; as of `error`, edges too."""
+    a = arrangement.tank((cells,) * 3, jitter, 1, False, 1.0 / cells)
+    value, gradient, laplacian = field(*a.x.T)
+    system = discrete(a, "rankine", "sfdi" if wall_rows == "sfdi" else "harmonic")
+    if wall_rows == "curved":    # as a change of the known normal derivative
+        known, wet = np.zeros(len(a.x)), a.role == WET
+        curvature.add_at_walls(known, system.rows.rows, system.rows.cloud,
+                               curvature.Bending(laplacian, np.empty((0, 3))))
+        gradient[wet] -= (known[wet] / system.measure[wet])[:, None] * a.normal[wet]
+    solved = (a.role == INNER) | (a.role == WET)
+    off = (solution(system, value, laplacian, gradient) - value)[solved]
+    return np.sqrt(np.mean(off**2)) / np.ptp(value)
+
+
+@pytest.mark.parametrize("jitter", [0.4, 0.8])
+@pytest.mark.parametrize(("wall_rows", "field", "order", "most"), [
+    ("harmonic", harmonic_3d, 1.5, 6e-4),    # measured 3.1 with jitter .4
+    ("curved", other_3d, 1.5, 4.5e-3),       # 2.2
+    ("sfdi", harmonic_3d, 1.0, 0.01),        # 1.5
+    ("sfdi", other_3d, 1.0, 0.05)])          # 1.1
+def test_three_dimensions(wall_rows, field, order, most, jitter):
+    cells = (6, 10)
+    found = [error_in_a_cube(n, wall_rows, field, jitter) for n in cells]
+    assert orders(1.0 / np.array(cells), found)[0] >= order
+    assert found[-1] <= most

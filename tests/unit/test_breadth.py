@@ -271,6 +271,8 @@ def across(*ends, at=0.5, name="", **others):
      "fluid[1] and fluid[0]: they are 0.01 m apart across, 0.18 spacings; let them touch, leave a spacing between"),
     (lambda: scene(TANK, Fluid(Box(0.5, 0.5, breadth=0.04), 1000.0)), "fluid.shape: is 0.04 m broad, 0.73 spacings"),
     (lambda: Roll(0.1, 2.0, axis="x"), "Roll has no field 'axis'; a Roll turns the section, in 3D about y; pitch and"),
+    (lambda: scene((TANK, Piston(0.5, motion=Sway(0.1, 3.0), across=(0.0, 0.6), name="maker")), STILL),
+     "walls, maker: a wavemaker has no fluid behind it, and beside this one, from y = 0.6 to 1, fluid would come"),
     (lambda: scene(spacing=2e-6), "of memory; at most 2.1e+09 can be numbered"),
     (lambda: scene(probes=[SurfaceGauge("g", at=(1.0, 0.5))]), "a SurfaceGauge exists in 2D only so far; leave it out"),
     (lambda: scene(probes=[PressureTap("t", at=(0.0, 0.1))]), "probe 't': at = (0.0, 0.1) must have 3 components"),
@@ -292,6 +294,12 @@ def test_gauges_of_a_2d_scene_are_stored_as_before():
     across_it = SurfaceGauge("g", at=(1.0, 0.5))
     assert (across_it.at, across_it.y, across_it.where) == (1.0, 0.5, "x = 1, y = 0.5 m")
     assert SurfaceGauge.model_validate(across_it.model_dump()) == across_it
+
+
+def test_wavemakers_may_stand_side_by_side():
+    pair = [Piston(0.5, motion=Sway(0.1, 3.0), across=ends, name=name)
+            for name, ends in (("front", (0.0, 0.6)), ("back", (0.6, 1.0)))]
+    assert len(section(scene((TANK, *pair), STILL), 0.6, 1.0).bodies) == 2
 
 
 def test_a_narrow_gap_across_is_a_warning():

@@ -249,7 +249,7 @@ def test_wall_velocity_has_the_walls_normal_part_and_the_fluids_tangential_part(
 
 @pytest.mark.parametrize("degrees", [10.0, 30.0, 90.0, 150.0])
 def test_fluid_slips_along_an_edge_of_any_angle_and_direction(degrees):
-    """A node on a slanting edge, with further ones beside it. Those of a third wall, or of another edge, do not count."""
+    """A node on a slanting edge, with further ones beside it. Those of other walls and edges do not count."""
     turn, flow = np.radians(degrees), np.array([1.0, 2.0, -3.0])
     along, first, side = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
     second = np.cos(turn) * first + np.sin(turn) * side
