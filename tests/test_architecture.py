@@ -22,7 +22,10 @@ ONLY_IN = {
                "doctor", "ranks", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
-    "scipy": ("geometry.triangles",),
+    "scipy": ("geometry.triangles", "geometry.surface_checks"),
+    "trimesh": ("geometry.surface_files",),
+    "manifold3d": ("geometry.room",),
+    "pymeshlab": ("geometry.room", "geometry.surface_files"),
     "matplotlib": ("pictures", "study"),
 }
 WHOLE_WORLD = "COMM_WORLD"

@@ -10,12 +10,15 @@ from parisph.base.errors import MissingLibrary
 
 ENGINE = ("mpi4py.MPI", "petsc4py", "h5py")    # what a run needs
 
+SURFACES = ("trimesh", "manifold3d", "pymeshlab")    # what files of triangles need
+
 SETUP = ("run_scripts/setup in a clone of parisph (on Debian, or on a cluster with its modules loaded), "
          "or conda install -c conda-forge mpi4py petsc4py h5py")
 _REMEDIES = {
     ENGINE: f"to run cases, use {SETUP}",
     ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {SETUP}",
     ("matplotlib",): "to make pictures, pip install 'parisph[plot]'",
+    SURFACES: "to read surfaces from files such as STL, pip install 'parisph[surfaces]'",
     ("shtab",): "to complete commands in a shell, pip install shtab",
 }
 

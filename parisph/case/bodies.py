@@ -10,13 +10,13 @@ from parisph.base.arrays import Floats
 from parisph.case.breadth import Across, Breadth, Spread, solid_box
 from parisph.case.model import Model, Several
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, Motion, PistonStroke, Rotation
-from parisph.case.shapes import Name, Shape, Tank, check_line
+from parisph.case.shapes import Name, Shape, Slip, Tank, check_line
+from parisph.case.surface_body import Surface
 from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction
 
 PistonWave = Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap],
                        Field(discriminator="kind", description="a wave")]
 FlapWave = Annotated[Union[Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
-Slip = Annotated[Literal["free", "none"], Field(description='"free", or "none" where viscous fluid sticks')]
 Line = Annotated[Several[tuple[float, float]],
                  Field(min_length=2, max_length=1000, description="points ((x, y), ...) in order [m]")]
 
@@ -271,10 +271,15 @@ Body = Annotated[
     Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
           Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")]],
     Discriminator(_kind_of)]
+AnyBody = Annotated[
+    Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
+          Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")],
+          Annotated[Surface, Tag("surface")]],
+    Discriminator(_kind_of)]
 Walls = Annotated[
     Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
           Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")],
-          Annotated[Several[Body], Tag("several")]],
+          Annotated[Surface, Tag("surface")], Annotated[Several[AnyBody], Tag("several")]],
     Discriminator(_kind_of)]
 
 

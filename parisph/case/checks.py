@@ -12,7 +12,7 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import absorb, breadth_checks, scenery, size, time_checks, wave_sizes
+from parisph.case import absorb, breadth_checks, scenery, size, surface_rules, time_checks, wave_sizes
 from parisph.case.bodies import Body, StillWater, motion_of
 from parisph.case.breadth import lifted
 from parisph.case.expressions import uniform_field, vector_field
@@ -32,7 +32,7 @@ FAR = 1e9       # spacings from the origin up to which float64 resolves places w
 
 def problems(case: Scene) -> list[str]:
     """Return the list of problems of a case, each one line; empty for a case that can run."""
-    found = [*_dimensions(case), *breadth_checks.problems(case)]
+    found = [*_dimensions(case), *breadth_checks.problems(case), *surface_rules.problems(case)]
     if not found:
         found += scenery.problems(case)
     if not found:

@@ -21,6 +21,7 @@ from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
 from parisph.case.shapes import Box, Tank
+from parisph.case.surface_body import Surface
 
 
 def _how_many(value: Any) -> str:
@@ -137,7 +138,19 @@ class Scene(Model):
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """All walls: Tank, Profile, Obstacle, Plate, Piston and Flap."""
+        """All walls but surfaces: Tank, Profile, Obstacle, Plate, Piston and Flap."""
+        return tuple(body for body in self.all_bodies if not isinstance(body, Surface))
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """All Surfaces, named surface, surface-1, ... if they have no name of their own."""
+        found = [body for body in self.all_bodies if isinstance(body, Surface)]
+        return tuple(body if body.name else body.model_copy(update={"name": body.kind + (f"-{k}" if k else "")})
+                     for k, body in enumerate(found))
+
+    @property
+    def all_bodies(self) -> tuple[Body | Surface, ...]:
+        """All walls."""
         if self.walls is None:
             return ()
         return tuple(self.walls) if isinstance(self.walls, Sequence) else (self.walls,)
@@ -150,7 +163,7 @@ class Scene(Model):
     @property
     def lone_tank(self) -> Tank | None:
         """The Tank if it is the only wall and rests in the frame of the scene, or None."""
-        alone = self.tank is not None and len(self.bodies) == 1 and isinstance(self.tank.motion, AtRest)
+        alone = self.tank is not None and len(self.all_bodies) == 1 and isinstance(self.tank.motion, AtRest)
         return self.tank if alone else None
 
     @property

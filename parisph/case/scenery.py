@@ -43,7 +43,7 @@ def problems(case: Scene) -> list[str]:
 
 def _bodies(case: Scene) -> Iterator[str]:
     bodies = case.bodies
-    if case.walls is not None and not bodies:
+    if case.walls is not None and not case.all_bodies:
         yield "walls = (): names no body; leave it out"
     for name, count in sorted(Counter(body_names(bodies)).items()):
         if count > 1:

@@ -23,6 +23,7 @@ from parisph.case.probes import ProbeArray
 from parisph.case.profiles import Profiles
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Lid, Polygon, Tank
+from parisph.case.surface_body import Surface
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
@@ -30,7 +31,7 @@ __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "Disc", "Flap", "FlapStroke", "Fluid", "Friction", "Heave",
     "Jonswap", "Lid", "Moved", "Numerics", "Obstacle", "Output", "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate",
     "Polygon", "ProbeArray", "Profile", "Profiles", "Relaxation", "Roll", "Series", "Sloshing", "SolitaryWave",
-    "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "Sway", "Tabulated", "Tank", "Truth",
+    "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "Surface", "Sway", "Tabulated", "Tank", "Truth",
     "WaveTruth",
 ]
 
@@ -47,7 +48,7 @@ class Case(Scene):
     title : one line, shown in pictures and tables
     source : where the scene is from, such as a paper and its figures; shown on pages
     fluid : Fluid, or several of one density and viscosity, which do not overlap
-    walls : a Tank, Profile, Obstacle, Plate, Piston or Flap, several of them, or None
+    walls : a Tank, Profile, Obstacle, Plate, Piston, Flap or Surface, several of them, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t, in 3D of x, y, z and t
     frame : motion of the tank; the flow is computed in its frame
     absorb : a Sponge or Relaxation zone, or several

@@ -32,6 +32,7 @@ Centre = Annotated[
     Field(min_length=2, max_length=3, description="a centre (x, y) [m], in 3D (x, z)"),
     AfterValidator(_in_the_section),
 ]
+Slip = Annotated[Literal["free", "none"], Field(description='"free", or "none" where viscous fluid sticks')]
 Name = Annotated[str, Field(max_length=60, pattern=r"^([A-Za-z][A-Za-z0-9_-]*)?$",
                             description="a name that begins with a letter, of letters, digits, _ and -")]
 

@@ -198,7 +198,7 @@ def has_level(case: Case, scene: ProbeScene) -> bool:
     Then its surface has a level: its volume over the width of the tank.
     """
     tank, gravity = case.tank, scene.gravity
-    if tank is None or len(case.bodies) > 1 or not isinstance(tank.motion, AtRest) or case.closed:
+    if tank is None or len(case.all_bodies) > 1 or not isinstance(tank.motion, AtRest) or case.closed:
         return False
     if len(case.fluids) > 1 or case.fluids[0].holes or gravity[:-1].any() or not gravity[-1] < 0.0:
         return False

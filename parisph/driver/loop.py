@@ -27,7 +27,7 @@ from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
-from parisph.io import checkpoint
+from parisph.io import checkpoint, room_file
 from parisph.io import made as how
 from parisph.io.checkpoint import Checkpoint, Share
 from parisph.io.files import on_first, together, write_json
@@ -64,6 +64,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
             samplers = instruments.build(case, simulation.comm)
             store = Store.create(simulation.comm, out, to_json(simulation.case, how.of_run(comm, case)),
                                  _about(simulation), case.output.fields, lock)
+            room_file.keep(simulation.comm, store.folder, case, store.run)
             store.notes += [(logging.INFO, line) for line in how.repeated(case)]
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
@@ -102,6 +103,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
         saved = checkpoint.read(comm, found) if found else None
         case, name, edits = together(comm, f"read the case of {folder}",
                                      lambda: run_folder.case_of(saved, found, folder, until))
+        together(comm, f"read the walls of {folder}", lambda: room_file.remember(folder, case))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}",
                  lambda: run_folder.check_useful(saved, case, found, folder, elsewhere, done, until))
@@ -114,6 +116,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                                  step, _about(simulation),
                                  case.output.fields, lock, name, series,
                                  saved.state.get("checkpoints", [found.name]) if saved and found else ())
+            room_file.keep(simulation.comm, store.folder, case, store.run)
             if saved:
                 store.notes += [(logging.INFO, line) for line in edits]
                 store.notes.insert(0, (logging.INFO,

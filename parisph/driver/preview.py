@@ -64,6 +64,7 @@ def _geometry(case: Case) -> Iterator[tuple[str, str]]:
     if known is None:
         return
     names = [f"{name} ({moving[name]})" if name in moving else name for name in body_names(case.bodies)]
+    names += [surface.name for surface in case.surfaces]
     yield "walls", f"{', '.join(names)}: {known.elements} elements"
     s = case.numerics.spacing
     gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {' and '.join(known.between)}"

@@ -21,6 +21,7 @@ from parisph.driver import memory_check, solid_walls, wall_penetration, warmup
 from parisph.driver.overflow import OpenTank, Overflow
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.geometry import build
+from parisph.io import room_file
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods import written
@@ -91,6 +92,7 @@ class Simulation:
             self._make(case, comm, petsc_options, start)
 
     def _make(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None, start: Checkpoint | None) -> None:
+        room_file.share(comm, case)
         memory_check.check(case, comm)
         self.numerics = case.complete_numerics()
         # store the values in use: presets may change later

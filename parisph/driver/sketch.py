@@ -33,8 +33,10 @@ def sketch(case: Scene) -> str:
     low, high, scene = richest(case)
     (front, back), many = case.breadth, len(sections(case))
     whole = f"breadth {back - front:g} m, from y = {front:g} to {back:g} m"
+    left_out = f", without {', '.join(surface.name for surface in case.surfaces)}" if case.surfaces else ""
     return "\n".join([_drawn(scene, case.probes, "z"), whole + (
-        f"; this is the section from y = {low:g} to {high:g} m, one of {many}" if many > 1 else ", alike all across")])
+        f"; this is the section from y = {low:g} to {high:g} m, one of {many}" if many > 1 else
+        ", alike all across" if not left_out else "") + left_out])
 
 
 def _drawn(case: Scene, probes: Sequence[AnyProbe], upwards: str) -> str:

@@ -28,6 +28,8 @@ from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_me
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import highest, lowered, raised
+from parisph.geometry.room_filling import room_fillings
+from parisph.geometry.scene_room import in_room, room_mesh
 from parisph.geometry.solid import in_fluid, solid_of
 from parisph.geometry.spans import scene_walls
 from parisph.geometry.standing import standing
@@ -47,7 +49,7 @@ def scene_mesh(case: Scene) -> WallMesh | None:
     the walls of geometry.spans.scene_walls.
     """
     if case.dim == 3:
-        return extruded(case) if case.bodies else None
+        return room_mesh(case) if case.surfaces else extruded(case) if case.bodies else None
     walls = standing(case)
     return wall_mesh(walls, case.numerics.spacing) if walls else None
 
@@ -96,7 +98,7 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
 def fillings(case: Scene) -> tuple[AnyFilling, ...]:
     """Return the filling of each body of fluid. Cached. `fill.taken` says which fluid gives way to which."""
     if case.dim == 3:
-        return layered(case)
+        return room_fillings(case) if case.surfaces else layered(case)
     return tuple(filling_of(case.fluids, number, standing(case), case.numerics.spacing)
                  for number in range(len(case.fluids)))
 
@@ -280,6 +282,8 @@ def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
             wall_u[own] += along
         else:
             no_slip[own] = body.slip == "none"
+    for number, body in list(enumerate(mesh.bodies))[len(walls):]:    # Surfaces
+        no_slip[mesh.body[nodes] == number] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
     corner = (mesh.edge == CONCAVE) | mesh.ends    # or an open end, like the foot of a piston
     return {
@@ -304,7 +308,9 @@ def _roles(case: Scene, x: Floats, normal: Floats, edge: Array) -> Array:
                                   fill.holds(lowered(fluid, at)) for fluid, fill in fills], axis=0))
 
     def clear(at: Floats) -> Array:
-        return in_front(case, at) if case.dim == 3 else in_fluid(standing(case), at)
+        if case.dim == 2:
+            return in_fluid(standing(case), at)
+        return in_front(case, at) & in_room(case, at) if case.surfaces else in_front(case, at)
 
     before = x + LIFT * s * normal
     wet, free = held(x) & clear(before), np.zeros(len(x), dtype=bool)

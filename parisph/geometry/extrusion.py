@@ -15,7 +15,7 @@ import numpy as np
 from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.case.lattice import Lattice
-from parisph.case.motion import Motion
+from parisph.case.motion import AtRest, Motion
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
@@ -84,6 +84,12 @@ def extruded(case: Scene) -> WallMesh:
         raise CaseError(f"walls: no fluid touches any of {', '.join(body_names(case.bodies))}: each lies inside "
                         "another")
     return together(meshes, bodies)
+
+
+def moving_meshes(case: Scene) -> list[WallMesh]:
+    """Return the meshes of the walls of a 3D scene that move in its frame, with bodies as in `extruded`."""
+    motions = dict.fromkeys(wall.motion for wall in scene_walls(case) if not isinstance(wall.motion, AtRest))
+    return [_group_mesh(case, motion) for motion in motions]
 
 
 def _lone(case: Scene) -> Tank | None:

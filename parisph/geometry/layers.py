@@ -73,7 +73,7 @@ class LayeredFilling:
         self._planes, fits = _planes(case, self._ends)
         self.layers = self._layers()
         self._before = np.concatenate([[0], np.cumsum([layer.fill.count for layer in self.layers])])
-        self.count = int(self._before[-1])
+        self.count = self._total = int(self._before[-1])    # a RoomFilling leaves some of them out
         self.even = fits and all(layer.fill.even for layer in self.layers)
         middle = self.layers[len(self.layers) // 2]
         self.step = np.insert(middle.fill.step, 1, middle.step)
@@ -99,7 +99,7 @@ class LayeredFilling:
 
     def indices(self, start: int = 0, stop: int | None = None) -> Ints:
         """Return the lattice indices (n, 3) of points start to stop: along x, of the layer, upwards."""
-        stop = self.count if stop is None else min(stop, self.count)
+        stop = min(self._total if stop is None else stop, self._total)
         found = [np.empty((0, 3), np.int64)]
         first = int(np.searchsorted(self._before, start, side="right")) - 1
         for number in range(max(first, 0), len(self.layers)):

@@ -16,8 +16,9 @@ from parisph.case.probes import singles
 from parisph.case.scene import Scene
 from parisph.case.sections import sections
 from parisph.geometry.build import domain, scene_mesh
-from parisph.geometry.distance import area_vectors
+from parisph.geometry.distance import area_vectors, nearest
 from parisph.geometry.mesh import WallMesh
+from parisph.geometry.scene_room import in_room
 from parisph.geometry.solid import Wall, in_fluid
 from parisph.geometry.standing import standing
 
@@ -59,10 +60,16 @@ class Places:
         """Return whether fluid may be at any of the points x (n, dim) [m]; resting : consider only walls at rest"""
         if self.case.dim == 2:
             return _free(self.parts[0][2], x, resting)
+        if self.case.surfaces:
+            x = x[in_room(self.case, x)]
         return any(_free(walls, section_of(place[None]), resting) for place in x for walls in self.walls_at(place))
 
     def hidden(self, x: Floats) -> list[str]:
         """Return the names of the bodies that keep fluid from a place (dim,) [m]."""
+        if self.case.surfaces and not in_room(self.case, x[None])[0]:
+            mesh = scene_mesh(self.case)
+            assert mesh is not None
+            return [mesh.bodies[mesh.element_body[nearest(x[None], mesh.corners())[1][0]]].name]
         found = [[wall.name for wall in walls if not in_fluid([wall], section_of(x[None]))[0]]
                  for walls in self.walls_at(x)]
         return min(found, key=len, default=["the front or the back of the scene"])

@@ -18,7 +18,7 @@ from parisph.case.scene import Scene
 from parisph.case.scenery import body_names, fluid_names
 from parisph.case.sections import sections
 from parisph.case.shapes import Box, Polygon, Tank
-from parisph.geometry import feasible, probe_places
+from parisph.geometry import feasible, probe_places, surface_checks
 from parisph.geometry.build import counts, domain, fillings, has_surface, scene_mesh, volume
 from parisph.geometry.by_sections import said
 from parisph.geometry.columns import beds
@@ -68,7 +68,7 @@ def faults(case: Scene) -> list[str]:
     In 3D they are those of its sections.
     """
     if case.dim == 3:
-        return said(case, _faults) or [*_few(case), *probe_places.faults(case, ())]
+        return said(case, _faults) or surface_checks.faults(case) or [*_few(case), *probe_places.faults(case, ())]
     return _faults(case)
 
 
@@ -88,7 +88,9 @@ def _faults(case: Scene) -> list[str]:
 
 def warnings(case: Scene) -> list[str]:
     """Return what will be computed with larger errors, and advice on the spacing. In 3D it is that of its sections."""
-    return breadth_checks.warnings(case) + said(case, _warnings) if case.dim == 3 else _warnings(case)
+    if case.dim == 2:
+        return _warnings(case)
+    return [*breadth_checks.warnings(case), *said(case, _warnings), *surface_checks.warnings(case)]
 
 
 def _warnings(case: Scene) -> list[str]:

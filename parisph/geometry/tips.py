@@ -17,8 +17,8 @@ from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
-from parisph.case.bodies import Obstacle, Slip
-from parisph.case.shapes import Polygon
+from parisph.case.bodies import Obstacle
+from parisph.case.shapes import Polygon, Slip
 from parisph.geometry.columns import overlapping
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import chains_of, places_along, reaches

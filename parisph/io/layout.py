@@ -1,6 +1,7 @@
 """The names of the files in the folder of a run.
 
     DIR/case.json                      the resolved case
+    DIR/walls.h5                       the walls of a scene with Surfaces, as they were meshed
     DIR/steps.csv                      one line per step
     DIR/probes/NAME.csv                one file per probe
     DIR/snapshots/NNNNNN.vtkhdf        the particles at one time
@@ -21,7 +22,8 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import named
 
 INDEX = "flow.hdf.series"
-FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
+WALLS = "walls.h5"
+FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log", WALLS)
 FOLDERS = ("probes", "snapshots", "checkpoints")
 PEAKS, BEFORE = "peaks", "peaks/before"     # made for their first file
 REPLACED = "replaced"

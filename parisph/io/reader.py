@@ -15,7 +15,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain, shown
 from parisph.case import stored
 from parisph.case.schema import Case
-from parisph.io import series, snapshot
+from parisph.io import room_file, series, snapshot
 from parisph.io.files import read_json
 from parisph.io.folder import check_unchanged
 from parisph.io.folder import summary as summary_of
@@ -41,6 +41,7 @@ class Run:
         if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
         self.case, self.scene = _case(self.folder / "case.json")
+        room_file.remember(self.folder, self.scene)
         self.identity = str(self.case.get("run", ""))
         found = snapshot.listed(self.folder / INDEX, self.identity)
         if found is None:    # without an index of this run, read the snapshots themselves

@@ -12,6 +12,7 @@ from tests.scenes import made_motion, run_alone, scene
 
 # Parameters of each scene: a few hundred particles, and some tens of steps.
 COARSE = {
+    "breakwater_stl": {"spacing": 0.1, "end_time": 0.15},
     "dam_break": {"spacing": 0.05, "end_time": 0.6},
     "dam_break_box": {"spacing": 0.0146, "end_time": 0.12},
     "dam_break_lobovsky": {"spacing": 0.08, "distance": 5.4, "end_time": 2.6},

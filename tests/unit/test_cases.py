@@ -42,7 +42,7 @@ def test_loads_and_is_stored_without_its_script(file):
     assert {"spacing", "method", "end_time", "time_step", "jitter", "seed"} <= set(known)
     factor = OTHER.get(file.stem, 2.0)
     other = load(file, {"spacing": factor * known["spacing"][0], "jitter": 0.4})
-    n, m = geometry.counts(case)["fluid"], geometry.counts(other)["fluid"]
+    n, m = (geometry.counts(scene)["fluid"] ** (2.0 / case.dim) for scene in (case, other))
     assert 3.4 < (n / m if factor > 1.0 else m / n) < 4.7
     assert other.numerics.time_step is None or other.numerics.time_step < 5.0 * stable_time_step(other)[0]
 
@@ -64,7 +64,8 @@ def test_geometry_has_no_faults_when_coarse(file):
     scene_checks.check(case)
     facts = scene_checks.facts(case)
     if facts is not None:
-        assert facts.volume == pytest.approx(facts.lattice, rel=0.12)    # half of the cells at free edges is air
+        # half of the cells at free edges is air, and beside walls half cells are missing
+        assert facts.volume == pytest.approx(facts.lattice, rel=0.12 if case.dim == 2 else 0.25)
         assert facts.gap > 2.0 * case.numerics.spacing
 
 

@@ -86,7 +86,7 @@ class PressureTap(OfPressure):
         mesh, s = places.mesh, places.spacing
         if mesh is None:
             return
-        walls = [places.bodies[body.name] for body in mesh.bodies]
+        walls = [places.bodies.get(body.name) for body in mesh.bodies]
         element = tap_element(mesh, walls, self, s)
         number = mesh.element_body[element]
         name, wall = mesh.bodies[number].name, walls[number]
@@ -188,10 +188,11 @@ class DiscTap(Tap):
         return (disc_mean(rows[:, 1], rows[:, 2], self.radius),)
 
 
-def tap_element(mesh: WallMesh, walls: Sequence[Wall], probe: PressureTap, spacing: float) -> int:
+def tap_element(mesh: WallMesh, walls: Sequence[Wall | None], probe: PressureTap, spacing: float) -> int:
     """Return the number of the element of a tap at t = 0.
 
-    It is on the given side of a plate, and on a moving wall if that is at the same place as another.
+    It is on the given side of a plate, and on a moving wall if that is at the same place as another. walls : the bodies
+    of the mesh, None for a Surface
     """
     at, corners, allowed = np.array([probe.at]), mesh.corners(), np.ones(len(mesh.elements), dtype=bool)
     for number, wall in enumerate(walls):
