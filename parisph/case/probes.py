@@ -25,6 +25,7 @@ from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
 from parisph.base import vocabulary
 from parisph.base.arrays import Flags, Floats
+from parisph.base.probe_rows import WIDTH
 from parisph.base.text import shown
 from parisph.case.model import Model, Several
 from parisph.case.profiles import Profiles
@@ -32,10 +33,14 @@ from parisph.case.truths import Peaks, Truth, WaveTruth
 
 OURS = "parisph.watch.probes"    # a module for each kind
 LAST = ("acted", "truth", "peak", "arrival", "every", "y")    # fields that follow those of a kind
-WIDTH = 4     # numbers in a row
 DRY = 1e-6    # of the spacing, above the bed: a gauge with less is dry
 
 Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y), in 3D (x, y, z) [m]")]
+
+
+def up(dim: int) -> str:
+    """Return the name of the axis upwards."""
+    return "xyz"[dim - 1]
 
 
 class Measure:
@@ -224,6 +229,9 @@ class Gauge(Probe):
         """Its place as text."""
         return ", ".join(f"{axis} = {value:g}" for axis, value in zip("xy", self.place)) + " m"
 
+    def columns_in(self, scene: Any) -> dict[str, str]:
+        return {up(scene.dim): "m"}
+
     def problems(self, case: Any) -> Iterator[str]:
         """See Probe: it must stand between the walls."""
         if (self.y is None) != (case.dim == 2):
@@ -245,7 +253,7 @@ class Gauge(Probe):
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """See Probe: gauges run dry, and the surface may be above the walls."""
         yield from super().touched(values, case, scene)
-        bed, first, s = scene.bed_at(np.array([self.at])), values[0], case.numerics.spacing
+        bed, first, s = scene.bed_at(np.array([self.place])), values[0], case.numerics.spacing
         moving = scene.now is not None and scene.now.moving
         if bed is not None and not moving and first[0] > bed[0] + s:
             yield "emptied", first <= bed[0] + DRY * s
