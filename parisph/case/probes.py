@@ -121,9 +121,8 @@ class Probe(Measure, Model):
             )
         return name
 
-    @property
-    def line(self) -> Optional[tuple[Point, Point]]:
-        """The two points of a line [m] through which water is counted in every step, or None."""
+    def gate(self, dim: int) -> Any:
+        """Return the watch.passages.Gate through which water is counted in every step, or None."""
         return None
 
     def title(self, scene: Any) -> str:
@@ -190,7 +189,28 @@ class OfPressure(Probe):
         default=False, kw_only=True, description="whether to write the pressure of the step beside its mean")
 
 
-class Gauge(Probe):
+class AcrossProbe(Probe):
+    """A probe with a place `y` across a 3D scene."""
+
+    y: Optional[float] = Field(default=None, kw_only=True, description="position y across a 3D scene [m]")
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out y of a 2D scene: releases before 3D do not know it."""
+        return {name: value for name, value in handler(self).items() if name != "y" or value is not None}
+
+    def wrong_y(self, case: Any) -> Iterator[str]:
+        """Yield one line if y is not within the breadth of the scene."""
+        if self.y is None:
+            return
+        low, high = case.breadth or (-np.inf, np.inf)
+        if case.dim == 2:
+            yield f"y = {self.y:g}: only a 3D scene has places across; leave it out"
+        elif not low <= self.y <= high:
+            yield f"y = {self.y:g} must lie within the breadth, from y = {low:g} to {high:g}; move it"
+
+
+class Gauge(AcrossProbe):
     """A probe of a height above x = `at` [m], in 3D above `at` = (x, y), which becomes `at` = x and `y`.
 
     of_surface : whether it is that of the free surface, as in theories
@@ -213,11 +233,6 @@ class Gauge(Probe):
         if data.get("y") is not None:
             raise ValueError(f"at = {shown(at)} and y = {shown(data['y'])}: give y once")
         return {**data, "at": at[0], "y": at[1]}
-
-    @model_serializer(mode="wrap")
-    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out y of a 2D scene: releases before 3D do not know it."""
-        return {name: value for name, value in handler(self).items() if name != "y" or value is not None}
 
     @property
     def place(self) -> tuple[float, ...]:

@@ -19,8 +19,8 @@ from parisph.case.probes import OfPressure, Probe, ProbeArray
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
-from parisph.geometry.mesh import CONVEX
-from parisph.geometry.spans import scene_walls
+from parisph.geometry.mesh import CONVEX, wall_mesh
+from parisph.geometry.spans import plane_walls, scene_walls
 from parisph.watch.passages import Passages
 from parisph.watch.walls_now import WallsNow
 
@@ -37,7 +37,7 @@ class ProbeScene:
     fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
     constant in the tank's frame; now : the walls at any time, None without walls; sides : x of both sides of the first
     tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies; ends : y of the front and the back of a 3D
-    scene with walls [m], else ().
+    scene with walls [m], else (); case : the case itself.
     """
 
     dim: int
@@ -52,6 +52,7 @@ class ProbeScene:
     sides: tuple[float, ...] = ()
     kinds: Mapping[str, str] = field(default_factory=dict)
     ends: tuple[float, ...] = ()
+    case: Case | None = field(default=None, repr=False)
 
     @classmethod
     def of(cls, case: Case) -> "ProbeScene":
@@ -63,7 +64,7 @@ class ProbeScene:
                    np.zeros(case.dim) if gravity is None else gravity,
                    None if mesh is None else WallsNow(mesh, scene_walls(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)},
-                   case.breadth or () if mesh is not None else ())
+                   (case.breadth or ()) if mesh is not None else (), case)
 
     def bed_at(self, places: Floats, time: float = 0.0) -> Floats | None:
         """Return the height (n,) [m] of the highest wall with fluid above it, None without walls.
@@ -77,6 +78,13 @@ class ProbeScene:
     def floors_at(self, place: tuple[float, ...], time: float) -> Floats:
         """Return the heights (n,) [m], upwards, of all walls with fluid above them at (x,), in 3D (x, y) [m]."""
         return np.empty(0) if self.now is None else self.now.floors(place, time)
+
+    def plane(self, y: float | None) -> WallsNow | None:
+        """Return the walls in the section: those of a 2D scene, or of a 3D scene at y [m]."""
+        if y is None or self.now is None or self.case is None:
+            return self.now
+        walls = plane_walls(self.case, y)
+        return WallsNow(wall_mesh(walls, self.spacing), walls) if walls else None
 
     def sides_at(self, time: float) -> tuple[float, ...]:
         """Return x of the vertical sides of the first tank [m], () without one or if they turn."""
