@@ -36,24 +36,28 @@ def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Colum
     """
     at, half, beside, gap, stretch = column
     up, inside, most = x.shape[1] - 1, 0, 0
+    reach = max(half, beside)
     for i in range(len(x)):
-        away = _away(x, i, at)
-        inside += (kind[i] == FLUID) & (role[i] != BALLISTIC) & (away <= half)
-        most += (kind[i] == FLUID) & (role[i] == SURFACE) & (away <= beside)
-    y, reach = np.empty(inside), np.empty(inside)
+        if kind[i] == FLUID and abs(x[i, 0] - at[0]) <= reach:
+            away = _away(x, i, at)
+            inside += (role[i] != BALLISTIC) & (away <= half)
+            most += (role[i] == SURFACE) & (away <= beside)
+    y, tops = np.empty(inside), np.empty(inside)
     rows = np.zeros((most + 2 * inside, WIDTH))
     n, made = 0, 0
     for i in range(len(x)):
+        if kind[i] != FLUID or abs(x[i, 0] - at[0]) > reach:
+            continue
         away = _away(x, i, at)
-        if kind[i] == FLUID and role[i] == SURFACE and away <= beside:
+        if role[i] == SURFACE and away <= beside:
             rows[made, 0] = HEIGHT
             for a in range(up + 1):
                 rows[made, 1 + a] = x[i, a]
             made += 1
-        if kind[i] == FLUID and role[i] != BALLISTIC and away <= half:
-            y[n], reach[n] = x[i, up], x[i, up] + (stretch if role[i] == INNER else 0.0)
+        if role[i] != BALLISTIC and away <= half:
+            y[n], tops[n] = x[i, up], x[i, up] + (stretch if role[i] == INNER else 0.0)
             n += 1
-    _sort(y, reach)
+    _sort(y, tops)
     floor, body = 0, -1
     for k in range(n):
         new = body < 0 or y[k] - rows[body, 2] > gap
@@ -61,8 +65,8 @@ def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Colum
             floor, new = floor + 1, True
         if new:
             body, made = made, made + 2
-            rows[body, 0], rows[body, 1], rows[body, 2], rows[body + 1, 0] = BODY, y[k], reach[k], TOP
-        rows[body, 2] = max(rows[body, 2], reach[k])
+            rows[body, 0], rows[body, 1], rows[body, 2], rows[body + 1, 0] = BODY, y[k], tops[k], TOP
+        rows[body, 2] = max(rows[body, 2], tops[k])
         rows[body, 3] += 1.0
         rows[body + 1, 1] = y[k]
     return rows[:made]

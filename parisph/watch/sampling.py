@@ -79,6 +79,11 @@ class ProbeScene:
         """Return the heights (n,) [m], upwards, of all walls with fluid above them at (x,), in 3D (x, y) [m]."""
         return np.empty(0) if self.now is None else self.now.floors(place, time)
 
+    @property
+    def middle(self) -> Floats:
+        """The middle (dim,) [m] of the box from `lower` to `upper`."""
+        return 0.5 * (self.lower + self.upper)
+
     def plane(self, y: float | None) -> WallsNow | None:
         """Return the walls in the section: those of a 2D scene, or of a 3D scene at y [m]."""
         if y is None or self.now is None or self.case is None:
