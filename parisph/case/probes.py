@@ -25,6 +25,7 @@ from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
 from parisph.base import vocabulary
 from parisph.base.arrays import Flags, Floats
+from parisph.base.probe_rows import WIDTH
 from parisph.base.text import shown
 from parisph.case.model import Model, Several
 from parisph.case.profiles import Profiles
@@ -32,10 +33,14 @@ from parisph.case.truths import Peaks, Truth, WaveTruth
 
 OURS = "parisph.watch.probes"    # a module for each kind
 LAST = ("acted", "truth", "peak", "arrival", "every", "y")    # fields that follow those of a kind
-WIDTH = 4     # numbers in a row
 DRY = 1e-6    # of the spacing, above the bed: a gauge with less is dry
 
 Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y), in 3D (x, y, z) [m]")]
+
+
+def up(dim: int) -> str:
+    """Return the name of the axis upwards."""
+    return "xyz"[dim - 1]
 
 
 class Measure:
@@ -116,9 +121,8 @@ class Probe(Measure, Model):
             )
         return name
 
-    @property
-    def line(self) -> Optional[tuple[Point, Point]]:
-        """The two points of a line [m] through which water is counted in every step, or None."""
+    def gate(self, dim: int) -> Any:
+        """Return the watch.passages.Gate through which water is counted in every step, or None."""
         return None
 
     def title(self, scene: Any) -> str:
@@ -185,7 +189,28 @@ class OfPressure(Probe):
         default=False, kw_only=True, description="whether to write the pressure of the step beside its mean")
 
 
-class Gauge(Probe):
+class AcrossProbe(Probe):
+    """A probe with a place `y` across a 3D scene."""
+
+    y: Optional[float] = Field(default=None, kw_only=True, description="position y across a 3D scene [m]")
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out y of a 2D scene: releases before 3D do not know it."""
+        return {name: value for name, value in handler(self).items() if name != "y" or value is not None}
+
+    def wrong_y(self, case: Any) -> Iterator[str]:
+        """Yield one line if y is not within the breadth of the scene."""
+        if self.y is None:
+            return
+        low, high = case.breadth or (-np.inf, np.inf)
+        if case.dim == 2:
+            yield f"y = {self.y:g}: only a 3D scene has places across; leave it out"
+        elif not low <= self.y <= high:
+            yield f"y = {self.y:g} must lie within the breadth, from y = {low:g} to {high:g}; move it"
+
+
+class Gauge(AcrossProbe):
     """A probe of a height above x = `at` [m], in 3D above `at` = (x, y), which becomes `at` = x and `y`.
 
     of_surface : whether it is that of the free surface, as in theories
@@ -209,11 +234,6 @@ class Gauge(Probe):
             raise ValueError(f"at = {shown(at)} and y = {shown(data['y'])}: give y once")
         return {**data, "at": at[0], "y": at[1]}
 
-    @model_serializer(mode="wrap")
-    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out y of a 2D scene: releases before 3D do not know it."""
-        return {name: value for name, value in handler(self).items() if name != "y" or value is not None}
-
     @property
     def place(self) -> tuple[float, ...]:
         """Its place (x,), in 3D (x, y) [m]."""
@@ -223,6 +243,9 @@ class Gauge(Probe):
     def where(self) -> str:
         """Its place as text."""
         return ", ".join(f"{axis} = {value:g}" for axis, value in zip("xy", self.place)) + " m"
+
+    def columns_in(self, scene: Any) -> dict[str, str]:
+        return {up(scene.dim): "m"}
 
     def problems(self, case: Any) -> Iterator[str]:
         """See Probe: it must stand between the walls."""
@@ -245,7 +268,7 @@ class Gauge(Probe):
     def touched(self, values: Floats, case: Any, scene: Any) -> Iterator[tuple[str, Flags]]:
         """See Probe: gauges run dry, and the surface may be above the walls."""
         yield from super().touched(values, case, scene)
-        bed, first, s = scene.bed_at(np.array([self.at])), values[0], case.numerics.spacing
+        bed, first, s = scene.bed_at(np.array([self.place])), values[0], case.numerics.spacing
         moving = scene.now is not None and scene.now.moving
         if bed is not None and not moving and first[0] > bed[0] + s:
             yield "emptied", first <= bed[0] + DRY * s

@@ -90,8 +90,8 @@ class Conservation:
         case = simulation.case
         self._scene = ProbeScene.of(case)
         self._energy = Energy(name="energy")
-        volume = (Volume(name="volume"),) if case.dim == 2 else ()
-        self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
+        volume = Volume(name="volume")
+        self._volume = instruments.build(case.model_copy(update={"probes": (volume,)}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         self.by_surface = case.dim == 2 and has_level(case, self._scene)
         state, start = state or {}, start or {}
@@ -187,9 +187,8 @@ class Conservation:
 
     def _look_at_volume(self, simulation: Simulation) -> None:
         s = simulation
-        if self._volume:
-            found = instruments.sample_all(self._volume, s.particles, s.domain, s.time)
-            self.volume.add(s.time, found["volume"][0])
+        found = instruments.sample_all(self._volume, s.particles, s.domain, s.time)
+        self.volume.add(s.time, found["volume"][0])
 
 
 def has_level(case: Case, scene: ProbeScene) -> bool:

@@ -13,7 +13,7 @@ from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
-from parisph.case.probes import Gauge
+from parisph.case.probes import Gauge, up
 from parisph.case.schema import Case
 from parisph.driver.conservation import Conservation
 from parisph.driver.simulation import Simulation
@@ -250,7 +250,7 @@ def of_gauges(case: Case, run: Run) -> list[str]:
         if isinstance(probe, Gauge) and probe.of_surface and not any(
                 zone.start <= probe.at <= zone.end for zone in case.zones):
             series = run.probe(probe.name)
-            found.append((*_uneven(series["time"], series["y"], case.numerics.spacing), probe.name))
+            found.append((*_uneven(series["time"], series[up(case.dim)], case.numerics.spacing), probe.name))
     share, when, name = max(found, key=lambda one: abs(one[0]), default=(0.0, 0.0, ""))
     limit = LIMITS["height"]
     if abs(share) <= limit.value:

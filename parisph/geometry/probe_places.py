@@ -17,9 +17,10 @@ from parisph.case.scene import Scene
 from parisph.case.sections import sections
 from parisph.geometry.build import domain, scene_mesh
 from parisph.geometry.distance import area_vectors, nearest
-from parisph.geometry.mesh import WallMesh
+from parisph.geometry.mesh import WallMesh, wall_mesh
 from parisph.geometry.scene_room import in_room
 from parisph.geometry.solid import Wall, in_fluid
+from parisph.geometry.spans import plane_walls
 from parisph.geometry.standing import standing
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid. Front and back are those of 3D.
@@ -44,6 +45,13 @@ class Places:
     def mesh(self) -> WallMesh | None:
         """The mesh of the walls of the scene."""
         return scene_mesh(self.case)
+
+    def plane(self, y: float | None) -> WallMesh | None:
+        """The mesh of the walls in the section: that of a 2D scene, or of a 3D scene at y [m]."""
+        if y is None or self.mesh is None:
+            return self.mesh
+        walls = plane_walls(self.case, y)
+        return wall_mesh(walls, self.spacing) if walls else None
 
     @cached_property
     def bodies(self) -> dict[str, Wall]:

@@ -71,6 +71,11 @@ def scene_walls(case: Scene) -> tuple[Wall, ...]:
             *(wall.model_copy(update={"name": name}) for wall, name in zip(filled, names)))
 
 
+def plane_walls(case: Scene, y: float) -> tuple[Wall, ...]:
+    """Return the walls of the section of a 3D scene at y [m], at the end of a body with those of both sides."""
+    return standing(section(case, y, y))
+
+
 def container(case: Scene) -> Wall:
     """Return the body of `scene_walls` that gives a 3D scene its breadth."""
     body = case.tank or next(body for body in case.bodies if isinstance(body, Profile) and body.breadth is not None)

@@ -1,22 +1,25 @@
 """Measurements of a gauge: the bodies of water above a place, and the surface beside it."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
-from parisph.base.probe_rows import BODY, HEIGHT, TOP
+from parisph.base.probe_rows import BODY, HEIGHT, TOP, WIDTH
 from parisph.kernels.jit import inlined, kernel
 
 
 class Column(NamedTuple):
-    """Place of a gauge: within `half` of `at` along x, and surface particles within `beside` (negative: none) [m].
+    """Place of a gauge `at` (dim - 1,): within `half` of it, and surface particles within `beside` (negative: none) [m].
+
+    In 3D it is round: its corners would be the highest places of a square under a slope.
 
     Vertical neighbours belong to one body unless they are farther apart than the gap, or than gap + stretch above an
     inner particle [m].
     """
 
-    at: float
+    at: np.ndarray
     half: float
     beside: float
     gap: float
@@ -25,7 +28,7 @@ class Column(NamedTuple):
 
 @kernel
 def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Column, floors: np.ndarray) -> np.ndarray:
-    """Return rows (n, 4) of a label and three numbers: HEIGHT, BODY and TOP, one TOP for each BODY.
+    """Return rows (n, WIDTH) of a label and numbers: HEIGHT, BODY and TOP, one TOP for each BODY.
 
     Bodies consist of fluid that is not in free flight, and lie on one floor each.
 
@@ -33,22 +36,28 @@ def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Colum
     """
     at, half, beside, gap, stretch = column
     up, inside, most = x.shape[1] - 1, 0, 0
+    reach = max(half, beside)
     for i in range(len(x)):
-        away = abs(x[i, 0] - at)
-        inside += (kind[i] == FLUID) & (role[i] != BALLISTIC) & (away <= half)
-        most += (kind[i] == FLUID) & (role[i] == SURFACE) & (away <= beside)
-    y, reach = np.empty(inside), np.empty(inside)
-    rows = np.zeros((most + 2 * inside, 4))
+        if kind[i] == FLUID and abs(x[i, 0] - at[0]) <= reach:
+            away = _away(x, i, at)
+            inside += (role[i] != BALLISTIC) & (away <= half)
+            most += (role[i] == SURFACE) & (away <= beside)
+    y, tops = np.empty(inside), np.empty(inside)
+    rows = np.zeros((most + 2 * inside, WIDTH))
     n, made = 0, 0
     for i in range(len(x)):
-        away = abs(x[i, 0] - at)
-        if kind[i] == FLUID and role[i] == SURFACE and away <= beside:
-            rows[made, 0], rows[made, 1], rows[made, 2] = HEIGHT, x[i, 0], x[i, up]
+        if kind[i] != FLUID or abs(x[i, 0] - at[0]) > reach:
+            continue
+        away = _away(x, i, at)
+        if role[i] == SURFACE and away <= beside:
+            rows[made, 0] = HEIGHT
+            for a in range(up + 1):
+                rows[made, 1 + a] = x[i, a]
             made += 1
-        if kind[i] == FLUID and role[i] != BALLISTIC and away <= half:
-            y[n], reach[n] = x[i, up], x[i, up] + (stretch if role[i] == INNER else 0.0)
+        if role[i] != BALLISTIC and away <= half:
+            y[n], tops[n] = x[i, up], x[i, up] + (stretch if role[i] == INNER else 0.0)
             n += 1
-    _sort(y, reach)
+    _sort(y, tops)
     floor, body = 0, -1
     for k in range(n):
         new = body < 0 or y[k] - rows[body, 2] > gap
@@ -56,11 +65,20 @@ def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Colum
             floor, new = floor + 1, True
         if new:
             body, made = made, made + 2
-            rows[body, 0], rows[body, 1], rows[body, 2], rows[body + 1, 0] = BODY, y[k], reach[k], TOP
-        rows[body, 2] = max(rows[body, 2], reach[k])
+            rows[body, 0], rows[body, 1], rows[body, 2], rows[body + 1, 0] = BODY, y[k], tops[k], TOP
+        rows[body, 2] = max(rows[body, 2], tops[k])
         rows[body, 3] += 1.0
         rows[body + 1, 1] = y[k]
     return rows[:made]
+
+
+@inlined
+def _away(x, i, at):
+    """Return the horizontal distance of a particle from a place at (dim - 1,)."""
+    away = abs(x[i, 0] - at[0])
+    for a in range(1, len(at)):
+        away = math.hypot(away, x[i, a] - at[a])
+    return away
 
 
 @inlined

@@ -75,15 +75,17 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """
     found: dict[str, dict[str, Any]] = {}
     for record in probe_records(case, run, lambda probe: bool(probe.impacts)):
-        time, several = record.table["time"], len(record.probe.impacts) > 1
+        time, several, units = record.table["time"], len(record.probe.impacts) > 1, run.units(record.file)
         for column in record.probe.impacts:
+            if several and record.prefix + column not in record.columns:
+                continue    # it exists in 3D only
             values = record.values(column)
             size = np.abs(values) if several else values
             some = greatest(time, size, _allowed(record.probe.truth, time), coarse(record.table))
             if some and some[0].value > 0.0:    # a component without any force has no peak
                 lasting = None if some[-1].short else some[-1]._asdict()
                 found[f"{record.name}.{column}" if several else record.name] = {
-                    **some[0]._asdict(), "unit": record.probe.columns[column], "mean_over": MEAN, "lasting": lasting}
+                    **some[0]._asdict(), "unit": units[record.named(column)], "mean_over": MEAN, "lasting": lasting}
     return found
 
 

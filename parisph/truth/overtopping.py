@@ -12,7 +12,7 @@ from parisph.truth.recorded import Recorded, probe_records
 def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: {"total" [m2], "events": list, None without `pause`}}; in arrays as "lines.over"."""
     found: dict[str, dict[str, Any]] = {}
-    for record in probe_records(case, run, lambda probe: probe.line is not None):
+    for record in probe_records(case, run, lambda probe: probe.gate(case.dim) is not None):
         total, pause = record.values("total"), record.probe.pause
         if len(total):
             found[record.name] = {"total": float(total[-1]),

@@ -32,7 +32,7 @@ class ProbeRecord(NamedTuple):
     """The series of one probe.
 
     name : in an array as "gauges.x1"; probe : its description; table : content of its file
-    columns : names of its columns in the table; prefix : of these in an array
+    columns : names of its columns in the table; prefix : of these in an array; file : name of the probe of the file
     """
 
     name: str
@@ -40,11 +40,16 @@ class ProbeRecord(NamedTuple):
     table: Array
     columns: list[str]
     prefix: str
+    file: str
 
     def values(self, column: str) -> Floats:
         """Return a column (samples,). In an array, the only column of a probe has the name of the probe."""
-        values: Floats = self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
+        values: Floats = self.table[self.named(column)]
         return values
+
+    def named(self, column: str) -> str:
+        """Return the name of a column in the table."""
+        return self.columns[0] if len(self.columns) == 1 else self.prefix + column
 
 
 def probe_records(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[ProbeRecord]:
@@ -65,4 +70,4 @@ def probe_records(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> I
             prefix = f"{one.name}_" if isinstance(probe, ProbeArray) else ""
             own = [one.name] if prefix and one.name in columns else [
                 column for column in columns if column.startswith(prefix)]
-            yield ProbeRecord(name, one, table, own, prefix)
+            yield ProbeRecord(name, one, table, own, prefix, probe.name)

@@ -18,7 +18,7 @@ from parisph.case.shapes import Tank
 from parisph.case.waves import Jonswap, SolitaryWave
 from parisph.case.waves.linear import wave_number
 from parisph.geometry import build, columns
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, own_columns
 from parisph.truth.reflection import separated, spectra, spread
 
 PERIODS = 10       # of a regular wave, at the end of the run, that are analysed
@@ -182,7 +182,7 @@ def _series(run: Recorded, names: Sequence[str]) -> tuple[Floats, Floats]:
     for name in names:
         probe, _, inner = name.partition(".") if name not in run.probe_names else (name, "", "")
         table = run.probe(probe)
-        found.append((table["time"], table[inner or "y"]))
+        found.append((table["time"], table[inner or own_columns(table)[0]]))
         if not np.isfinite(found[-1][1]).all():
             raise CaseError(f"the gauge {name} has no value at some times, without water there: give others with "
                             "--probes")

@@ -3,12 +3,11 @@
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.base.probe_rows import BODY, TOP
-from parisph.case.probes import WIDTH
+from parisph.base.probe_rows import BODY, TOP, WIDTH
 from parisph.watch.sampling import View
 
 # Lengths in spacings.
-COLUMN = 1.5        # half the width of the column of water at a gauge
+COLUMN = 1.5        # half the width of the column of water at a gauge, in 3D its radius
 GAUGE_GAP = 1.5     # longest distance of particles in a column without air between them, for a gauge
 STRETCH = 1.25      # added above a particle inside the fluid: they are farther apart below the crest of a steep wave
 COLUMN_GAP = 2.1    # the same for a column: falling water stretches, in the dam break to 1.6, beside a wall to 2.2
@@ -16,6 +15,8 @@ BED = 2.0           # height above the bed, up to which water is on it
 BED_GAP = 2.1       # longest distance of water from the bed, and of its particles along it: the reach of gradients
 
 ROUNDING = 1.0 + 1e-9
+
+Place = tuple[float, ...]    # of a gauge: x, in 3D (x, y) [m]
 
 
 def bodies(z: Floats, gap: float, counts: Floats | None = None, ends: Floats | None = None) -> Floats:
@@ -38,31 +39,49 @@ def bodies(z: Floats, gap: float, counts: Floats | None = None, ends: Floats | N
     return np.column_stack([z[first], reach[last], np.add.reduceat(number, first)])
 
 
-def column_rows(view: View, at: float, gap: float, beside: float = -1.0) -> Floats:
-    """Return rows (n, 4) of this rank's bodies of water in the column at x = `at`, as kernels.water_columns.
+def column_rows(view: View, place: Place, gap: float, beside: float = -1.0) -> Floats:
+    """Return rows (n, WIDTH) of this rank's bodies of water in the column at a place, as kernels.water_columns.
 
     Gaps above a particle inside the fluid may be longer by STRETCH. Water below a floor, such as an obstacle above the
     bed, is separate from the water on it.
 
-    gap : longest distance of particles of a body; beside : distance from `at` within which surface particles count too,
-        negative for none; both in spacings
+    place : x, in 3D (x, y) [m]
+    gap : longest distance of particles of a body; beside : distance from the place within which surface particles count
+        too, negative for none; both in spacings
     """
     from parisph.kernels import water_columns
 
     p, s = view.particles, view.scene.spacing
-    column = water_columns.Column(at, COLUMN * s * ROUNDING, beside * s, gap * s, STRETCH * s)
-    found: Floats = water_columns.column_rows(p.x, p.kind, p.role, column, view.scene.floors_at(at, view.time))
+    at, beside = np.array(place), beside * s
+    if len(place) == 2:
+        at = _off_the_walls(at, view)
+        beside += float(np.linalg.norm(at - place)) * (beside > 0.0)
+    column = water_columns.Column(at, COLUMN * s * ROUNDING, beside, gap * s, STRETCH * s)
+    found: Floats = water_columns.column_rows(p.x, p.kind, p.role, column, view.scene.floors_at(place, view.time))
     return found
 
 
-def top(rows: Floats, view: View, at: float, gap: float) -> tuple[float, bool]:
+def _off_the_walls(at: Floats, view: View) -> Floats:
+    """Return the middle (2,) of the column at a place (2,) [m] of a 3D scene, a spacing or more from vertical walls.
+
+    Particles keep that distance. Of a column around a corner only a quarter would have any.
+    """
+    found, s = at.copy(), view.scene.spacing
+    for axis, wall in view.scene.mirrors_at(view.time):
+        if abs(found[axis] - wall) < s:
+            inward = 1.0 if wall < view.scene.middle[axis] else -1.0
+            found[axis] = wall + inward * s
+    return found
+
+
+def top(rows: Floats, view: View, place: Place, gap: float) -> tuple[float, bool]:
     """Return the height of the water on the highest wet floor [m], and whether there is water.
 
     If all floors are dry, it is the height of the lowest. Without walls it is the top of the largest body, else nan.
 
-    rows : of all ranks, from `column_rows` with the same x `at` [m] and gap [spacings]
+    rows : of all ranks, from `column_rows` with the same place [m] and gap [spacings]
     """
-    s, floors = view.scene.spacing, view.scene.floors_at(at, view.time)
+    s, floors = view.scene.spacing, view.scene.floors_at(place, view.time)
     for number in range(len(floors), -1 if not len(floors) else 0, -1):
         own = rows[np.searchsorted(floors, rows[:, 1], side="right") == number] if number else rows
         found, tops = bodies_of_all(own[own[:, 0] == BODY], gap * s), own[own[:, 0] == TOP, 1]
@@ -75,13 +94,13 @@ def top(rows: Floats, view: View, at: float, gap: float) -> tuple[float, bool]:
 
 def body_rows(found: Floats) -> Floats:
     """Return bodies (n, 3) of this rank as rows (n, WIDTH) for all ranks."""
-    rows = np.empty((len(found), WIDTH))
-    rows[:, 0], rows[:, 1:] = BODY, found
+    rows = np.zeros((len(found), WIDTH))
+    rows[:, 0], rows[:, 1:4] = BODY, found
     return rows
 
 
 def bodies_of_all(rows: Floats, gap: float) -> Floats:
     """Return the bodies (n, 3) of all ranks from their rows, joined."""
     if len(rows) < 2:    # most gauges in most steps
-        return rows[:, 1:]
+        return rows[:, 1:4]
     return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])

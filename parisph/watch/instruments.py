@@ -12,7 +12,7 @@ from mpi4py import MPI
 from parisph.base.arrays import Floats
 from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
-from parisph.case.probes import WIDTH
+from parisph.base.probe_rows import WIDTH
 from parisph.case.schema import Case
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -60,7 +60,7 @@ def sample_all(samplers: Sequence[Sampler], particles: Particles, domain: Domain
 
 
 def _together(comm: MPI.Comm, sums: Sequence[Floats], rows: Sequence[Floats]) -> tuple[list[Floats], list[Floats]]:
-    """Return the sums over all ranks (k,) and the rows of all ranks (n, 4), of each sampler. Collective."""
+    """Return the sums over all ranks (k,) and the rows of all ranks (n, WIDTH), of each sampler. Collective."""
     table = np.concatenate([np.column_stack([np.full(len(own), number, float), own])
                             for number, own in enumerate(rows)])
     ends = np.cumsum([len(own) for own in sums])

@@ -19,8 +19,8 @@ from parisph.case.probes import OfPressure, Probe, ProbeArray
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
-from parisph.geometry.mesh import CONVEX
-from parisph.geometry.standing import standing
+from parisph.geometry.mesh import CONVEX, wall_mesh
+from parisph.geometry.spans import plane_walls, scene_walls
 from parisph.watch.passages import Passages
 from parisph.watch.walls_now import WallsNow
 
@@ -35,8 +35,9 @@ class ProbeScene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of the tank, or of the
     fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
-    constant in the tank's frame; now : the walls at any time, None without walls and in 3D; sides : x of both sides of the first
-    tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
+    constant in the tank's frame; now : the walls at any time, None without walls; sides : x of both sides of the first
+    tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies; ends : y of the front and the back of a 3D
+    scene with walls [m], else (); case : the case itself.
     """
 
     dim: int
@@ -50,6 +51,8 @@ class ProbeScene:
     now: WallsNow | None = None
     sides: tuple[float, ...] = ()
     kinds: Mapping[str, str] = field(default_factory=dict)
+    ends: tuple[float, ...] = ()
+    case: Case | None = field(default=None, repr=False)
 
     @classmethod
     def of(cls, case: Case) -> "ProbeScene":
@@ -59,30 +62,50 @@ class ProbeScene:
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.fillings(case)[0].step, case.density, *build.domain(case), case.tank is not None,
                    np.zeros(case.dim) if gravity is None else gravity,
-                   None if mesh is None or case.dim == 3 else WallsNow(mesh, standing(case)), sides,
-                   {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
+                   None if mesh is None else WallsNow(mesh, scene_walls(case)), sides,
+                   {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)},
+                   (case.breadth or ()) if mesh is not None else (), case)
 
-    def bed_at(self, x: Floats, time: float = 0.0) -> Floats | None:
-        """Return the height (n,) [m] of the highest wall at x (n,) with fluid above it, None without walls.
+    def bed_at(self, places: Floats, time: float = 0.0) -> Floats | None:
+        """Return the height (n,) [m] of the highest wall with fluid above it, None without walls.
 
         Where there is none, as beyond the end of a bed, it is that of the lowest wall.
-        """
-        return None if self.now is None else self.now.bed(x, time)
 
-    def floors_at(self, at: float, time: float) -> Floats:
-        """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m]."""
-        return np.empty(0) if self.now is None else self.now.floors(at, time)
+        places : (n, dim - 1), or x (n,) in 2D [m]
+        """
+        return None if self.now is None else self.now.bed(np.reshape(places, (-1, self.dim - 1)), time)
+
+    def floors_at(self, place: tuple[float, ...], time: float) -> Floats:
+        """Return the heights (n,) [m], upwards, of all walls with fluid above them at (x,), in 3D (x, y) [m]."""
+        return np.empty(0) if self.now is None else self.now.floors(place, time)
+
+    @property
+    def middle(self) -> Floats:
+        """The middle (dim,) [m] of the box from `lower` to `upper`."""
+        return 0.5 * (self.lower + self.upper)
+
+    def plane(self, y: float | None) -> WallsNow | None:
+        """Return the walls in the section: those of a 2D scene, or of a 3D scene at y [m]."""
+        if y is None or self.now is None or self.case is None:
+            return self.now
+        walls = plane_walls(self.case, y)
+        return WallsNow(wall_mesh(walls, self.spacing), walls) if walls else None
 
     def sides_at(self, time: float) -> tuple[float, ...]:
         """Return x of the vertical sides of the first tank [m], () without one or if they turn."""
         if self.now is None or not self.sides or not self.now.moving:
             return self.sides
-        tank = next(name for name, kind in self.kinds.items() if kind == "tank")
+        tank, sides = next(name for name, kind in self.kinds.items() if kind == "tank"), np.zeros((2, self.dim))
         number = self.now.number(tank)
         if not self.now.upright(number):
             return ()
-        moved = self.now.motion_of(number).placed(np.array([(side, 0.0) for side in self.sides]), time)
+        sides[:, 0] = self.sides
+        moved = self.now.motion_of(number).placed(sides, time)
         return tuple(float(x) for x in moved[:, 0])
+
+    def mirrors_at(self, time: float) -> list[tuple[int, float]]:
+        """Return the axis and the place [m] of each vertical side of the first tank, and of the front and the back."""
+        return [*((0, side) for side in self.sides_at(time)), *((1, end) for end in self.ends)]
 
 
 class View:

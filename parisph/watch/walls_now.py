@@ -1,4 +1,4 @@
-"""The walls of a scene at any time, for probes (2D)."""
+"""The walls of a scene at any time, for probes."""
 
 from collections.abc import Sequence
 
@@ -9,6 +9,7 @@ from parisph.case.motion import AtRest, Motion, Translation
 from parisph.geometry.columns import beds, crossings
 from parisph.geometry.mesh import WallMesh, motions_of
 from parisph.geometry.solid import Wall
+from parisph.geometry.upper_faces import UpperFaces
 
 BESIDE = 1e-6    # distance beside the end of a wall at which its floor is sought, over the width of the walls
 
@@ -16,14 +17,16 @@ BESIDE = 1e-6    # distance beside the end of a wall at which its floor is sough
 class WallsNow:
     """Elements and bodies of the walls at a time. Not collective.
 
-    mesh : of the walls; walls : geometry.standing.standing of a case
+    mesh : of the walls; walls : geometry.spans.scene_walls of a case
     """
 
     def __init__(self, mesh: WallMesh, walls: Sequence[Wall]) -> None:
         self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
         self._motions = motions
         self._known: tuple[float, Floats] = (0.0, mesh.corners())
-        self._floors: dict[float, Floats] = {}    # at the known time, by place
+        # at the known time
+        self._floors: dict[tuple[float, ...], Floats] = {}    # by place
+        self._faces: UpperFaces | None = None    # 3D
         moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
         self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
 
@@ -33,27 +36,38 @@ class WallsNow:
         return bool(self._moving)
 
     def corners(self, time: float) -> Floats:
-        """Return the corners (M, 2, 2) [m] of the elements at a time [s]."""
+        """Return the corners (M, dim, dim) [m] of the elements at a time [s]."""
         if self.moving and time != self._known[0]:    # computed once for all gauges
             x = self.mesh.x0.copy()
             for motion, own in self._moving:
                 x[own] = motion.placed(x[own], time)
-            self._known, self._floors = (time, self.mesh.corners(x)), {}
+            self._known, self._floors, self._faces = (time, self.mesh.corners(x)), {}, None
         return self._known[1]
 
-    def bed(self, x: Floats, time: float) -> Floats:
-        """Return the height (n,) [m] of the highest wall with fluid above it at x (n,), as `columns.beds`."""
-        return beds(self.corners(time), x, np.inf)
+    def bed(self, places: Floats, time: float) -> Floats:
+        """Return the height (n,) [m] of the highest wall with fluid above it, as `columns.beds`.
 
-    def floors(self, at: float, time: float) -> Floats:
-        """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m].
+        places : (n, dim - 1) [m], x, in 3D (x, y)
+        """
+        if self.mesh.dim == 3:
+            return self._upper(time).highest(places)
+        return beds(self.corners(time), places[:, 0], np.inf)
+
+    def floors(self, place: tuple[float, ...], time: float) -> Floats:
+        """Return the heights (n,) [m], upwards, of all walls with fluid above them at (x,), in 3D (x, y) [m].
 
         Where there is none, as beyond the end of a bed, it is that of the lowest wall.
         """
         corners = self.corners(time)
-        if at not in self._floors:
-            self._floors[at] = self._found_floors(corners, at)
-        return self._floors[at]
+        if place not in self._floors:
+            self._floors[place] = (self._found_floors(corners, place[0]) if self.mesh.dim == 2 else
+                                   self._upper(time).heights(np.array(place)))
+        return self._floors[place]
+
+    def _upper(self, time: float) -> UpperFaces:
+        corners = self.corners(time)
+        self._faces = self._faces or UpperFaces(corners)
+        return self._faces
 
     def _found_floors(self, corners: Floats, at: float) -> Floats:
         up, aside = corners[corners[:, 0, 0] < corners[:, 1, 0]], BESIDE * float(np.ptp(self.mesh.x0[:, 0]))

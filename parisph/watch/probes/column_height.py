@@ -11,17 +11,17 @@ from parisph.watch.sampling import View
 
 
 class ColumnHeight(Gauge):
-    """Height y [m] of the topmost water connected to the bed at x = `at` [m].
+    """Height [m] of the topmost water connected to the bed at x = `at`, in 3D at (x, y) [m].
 
-    The topmost particle counts, within 1.5 spacings along x, of the water whose lowest particle is within 2.1 spacings
-    of the bed. Nothing is added to its height, because surface particles of the lattice are on the surface. A gap of
-    more than 2.1 spacings ends the column, above a particle inside the fluid 3.35. A dry bed gives its own height.
+    The topmost particle counts, within 1.5 spacings along x, in 3D around the place, of the water whose lowest particle
+    is within 2.1 spacings of the bed. Nothing is added to its height, because surface particles of the lattice are on
+    the surface. A gap of more than 2.1 spacings ends the column, above a particle inside the fluid 3.35. A dry bed
+    gives its own height.
 
     >>> ColumnHeight("column", at=0.0).at
     0.0
     """
 
-    dims = (2,)
     quantity = "column height $y$"
 
     kind: Literal["column_height"] = Field(default="column_height", init=False)
@@ -30,7 +30,7 @@ class ColumnHeight(Gauge):
         return f"Height of the water column at {self.where}"
 
     def rows(self, view: View) -> Floats:
-        return column_rows(view, self.at, COLUMN_GAP)
+        return column_rows(view, self.place, COLUMN_GAP)
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        return (top(rows, view, self.at, COLUMN_GAP)[0],)
+        return (top(rows, view, self.place, COLUMN_GAP)[0],)

@@ -1,4 +1,4 @@
-"""The highest point at which water touches a wall (2D)."""
+"""The highest point at which water touches a wall."""
 
 from collections.abc import Iterator
 from typing import Literal, Optional
@@ -9,20 +9,21 @@ from pydantic import Field, model_validator
 from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import SURFACE
-from parisph.base.probe_rows import BODY, HEIGHT
+from parisph.base.probe_rows import BODY, HEIGHT, WIDTH
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import motion_of
 from parisph.case.model import Several
 from parisph.case.motion import AtRest, Motion, Rotation
-from parisph.case.probes import WIDTH, Measure, Point, Probe
+from parisph.case.breadth import section_of
+from parisph.case.probes import AcrossProbe, Measure, Point, up
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.geometry.columns import cross, meet
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh, places_along, reaches
 from parisph.geometry.probe_places import Places, on_side
-from parisph.watch.gauges import COLUMN_GAP, bodies, bodies_of_all, body_rows
+from parisph.watch.gauges import COLUMN, COLUMN_GAP, ROUNDING, bodies, bodies_of_all, body_rows
 from parisph.watch.probes.surface_gauge import surface, surface_rows
 from parisph.watch.sampling import ProbeScene, View
 
@@ -37,8 +38,8 @@ LIFT = 0.1        # distance in front of a wall at which its fluid is sought
 FLAT = 1e-9       # largest difference of equal heights, over the height of a body
 
 
-class RunUp(Probe):
-    """Height y [m] of the highest point at which water touches a wall, and its x [m].
+class RunUp(AcrossProbe):
+    """Height [m] of the highest point at which water touches a wall, and its x [m].
 
     Only water counts that is connected, along the wall, with the lower end of the wall. At a vertical side of a tank it
     is the height of a SurfaceGauge; along a line, the surface is continued straight to the line. The line moves with
@@ -50,6 +51,7 @@ class RunUp(Probe):
     points : the line itself at t = 0 [m], from below the water upwards, in place of a side
     film : along a line, thickness of the thinnest film that counts [m]. In a film of thickness h, particles of spacing
         s are s^2/h apart. None for half a spacing, at which particles are 2.1 spacings apart, without spray
+    y : of the section of a 3D scene in which it is measured, with the water within 1.5 spacings. `points` are (x, z)
 
     >>> RunUp("wall", side="right").on
     'tank'
@@ -58,7 +60,6 @@ class RunUp(Probe):
     """
 
     columns = {"y": "m", "x": "m"}
-    dims = (2,)
     quantity = "highest contact"
 
     kind: Literal["run_up"] = Field(default="run_up", init=False)
@@ -78,11 +79,23 @@ class RunUp(Probe):
     def title(self, scene: ProbeScene) -> str:
         found = self.begin(scene)
         if isinstance(found, LineRunUp):
-            return f"Highest water along the line from {point(found.points[0])} to {point(found.points[-1])} m"
-        return f"Highest water at the {self.side} side of the {self.on}"
+            ends = f"{point(found.points[0])} to {point(found.points[-1])} m"
+            return f"Highest water along the line from {ends}{self._where}"
+        return f"Highest water at the {self.side} side of the {self.on}{self._where}"
+
+    @property
+    def _where(self) -> str:
+        return "" if self.y is None else f", at y = {self.y:g} m"
+
+    def columns_in(self, scene: ProbeScene) -> dict[str, str]:
+        return {up(scene.dim): "m", "x": "m"}
 
     def problems(self, case: Scene) -> Iterator[str]:
-        wrong = [line for x in self.points or () for line in probe_checks.components(case, point=x)]
+        if case.dim == 3 and self.y is None:
+            yield "a run-up of a 3D scene is measured in one section; give its place across: y=..."
+            return
+        wrong = [*self.wrong_y(case), *(f"point = {x} must have 2 components, of the section"
+                                        for x in self.points or () if len(x) != 2)]
         yield from wrong
         if self.points is not None:
             if wrong:
@@ -90,7 +103,7 @@ class RunUp(Probe):
             if any(one == other for one, other in zip(self.points, self.points[1:])):
                 yield "points: two neighbouring points are equal; leave one out"
             else:
-                yield from probe_checks.inside(case, "points", self.points)
+                yield from probe_checks.inside(case, "points", [self._lifted(x) for x in self.points])
             if self.on != "tank":
                 yield from probe_checks.body(case, self.on)
         elif missing := list(probe_checks.body(case, self.on)):
@@ -98,6 +111,10 @@ class RunUp(Probe):
         else:
             body = case.bodies[body_names(case.bodies).index(self.on)]
             yield from self._wrong_side(body.kind, isinstance(motion_of(body), Rotation))
+
+    def _lifted(self, x: Point) -> Point:
+        """Return the place in the scene of a point of the section."""
+        return x if self.y is None else (x[0], self.y, x[-1])
 
     def _wrong_side(self, kind: str, rolls: bool) -> Iterator[str]:
         one_sided = kind in ("piston", "flap")
@@ -111,7 +128,7 @@ class RunUp(Probe):
 
     def misplaced(self, places: Places) -> Iterator[str]:
         """See Probe: its line is on a wall that fluid reaches, and moves with that wall."""
-        mesh = places.mesh
+        mesh = places.plane(self.y)
         if mesh is None:
             return
         if self.points is not None:
@@ -122,8 +139,12 @@ class RunUp(Probe):
                     yield (f"its points are on {body.name}, which moves; give on={body.name!r} for the line to move "
                            "with it")
             return
-        number = body_names(places.case.bodies).index(self.on)
-        kind = places.case.bodies[number].kind
+        kind = places.case.bodies[body_names(places.case.bodies).index(self.on)].kind
+        names = [body.name for body in mesh.bodies]
+        if self.on not in names:
+            yield f"y = {self.y:g}: {self.on} does not reach there; move it"
+            return
+        number = names.index(self.on)
         try:
             run_up_line(mesh, number, kind, self.side)
         except ValueError as error:
@@ -133,21 +154,22 @@ class RunUp(Probe):
         if kind == "tank":
             middles = mesh.x0[on_side(mesh, number, self.side)].mean(axis=1)
             inward = (LIFT if self.side == "left" else -LIFT) * places.spacing
-            if not places.in_front(middles + np.array([inward, 0.0])):
+            places_there = np.array([self._lifted(tuple(x)) for x in middles + np.array([inward, 0.0])])
+            if not places.in_front(places_there):
                 yield (f"no fluid reaches the {self.side} side of {self.on}, which is behind another body; "
                        "give the name of that body with on=")
 
     def begin(self, scene: ProbeScene) -> Measure:
         """See Probe. Raises CaseError for a line that does not exist."""
-        kind, now = scene.kinds.get(self.on), scene.now
+        kind, now = scene.kinds.get(self.on), scene.plane(self.y)
         line = None if self.points is None else np.array(self.points, dtype=float)
         if now is None or kind is None:
             at = float((scene.lower if self.side == "left" else scene.upper)[0])
-            return SideRunUp(at) if line is None else LineRunUp(self, scene, line)
+            return SideRunUp(at, self.y) if line is None else LineRunUp(self, scene, line)
         number = now.number(self.on)
         motion = now.motion_of(number)
         if kind == "tank" and line is None and now.upright(number):
-            return SideRunUp(scene.sides_at(0.0)[self.side == "right"], motion)
+            return SideRunUp(scene.sides_at(0.0)[self.side == "right"], self.y, motion)
         try:
             line = run_up_line(now.mesh, number, kind, self.side) if line is None else line
         except ValueError as error:
@@ -156,19 +178,22 @@ class RunUp(Probe):
 
 
 class SideRunUp(Measure):
-    """The surface at a vertical side of the tank, as of a SurfaceGauge there. at : x of the side at t = 0 [m]"""
+    """The surface at a vertical side of the tank, as of a SurfaceGauge there.
 
-    def __init__(self, at: float, motion: Motion = AtRest()) -> None:
-        self._start, self._motion = np.array([(at, 0.0)]), motion
+    at : x of the side at t = 0 [m]; y : place across a 3D scene [m]
+    """
 
-    def _at(self, view: View) -> float:
-        return float(self._motion.placed(self._start, view.time)[0, 0])
+    def __init__(self, at: float, y: float | None = None, motion: Motion = AtRest()) -> None:
+        self._start, self._across, self._motion = np.array([(at, 0.0)]), () if y is None else (y,), motion
+
+    def _place(self, view: View) -> tuple[float, ...]:
+        return float(self._motion.placed(self._start, view.time)[0, 0]), *self._across
 
     def rows(self, view: View) -> Floats:
-        return surface_rows(view, self._at(view))
+        return surface_rows(view, self._place(view))
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        return surface(rows, view, self._at(view)), self._at(view)
+        return surface(rows, view, self._place(view)), self._place(view)[0]
 
 
 class LineRunUp(Measure):
@@ -176,7 +201,8 @@ class LineRunUp(Measure):
 
     The water within TOUCH counts that is connected with the beginning: by particles not farther apart than COLUMN_GAP,
     or than in a film as thin as `film` of the probe. From its end, the straight line through two surface particles is
-    continued to the wall, because the last particles of thin water are some distance below its tip.
+    continued to the wall, because the last particles of thin water are some distance below its tip. In 3D the water of
+    one section is within COLUMN of it.
     """
 
     def __init__(self, probe: RunUp, scene: ProbeScene, points: Floats, motion: Motion = AtRest()) -> None:
@@ -189,12 +215,17 @@ class LineRunUp(Measure):
     def rows(self, view: View) -> Floats:
         s, self.points = self.scene.spacing, self._motion.placed(self._start, view.time)
         # particles of a torn film are spray, because they have too few neighbours
-        along, away = self._onto(view.body if self.probe.film is None else view.places(view.fluid))
-        surface = view.places(view.fluid & (view.particles.role == SURFACE))
+        along, away = self._onto(self._in_section(view.body if self.probe.film is None else view.places(view.fluid)))
+        surface = self._in_section(view.places(view.fluid & (view.particles.role == SURFACE)))
         surface = surface[self._onto(surface)[1] <= BESIDE * s]
         heights = np.zeros((len(surface), WIDTH))
         heights[:, 0], heights[:, 1:3] = HEIGHT, surface
         return np.concatenate([heights, body_rows(bodies(along[away <= TOUCH * s], self.gap))])
+
+    def _in_section(self, x: Floats) -> Floats:
+        """Return the places (m, 2) [m] in the section of the points x (n, dim) near it."""
+        y = self.probe.y
+        return x if y is None else section_of(x[np.abs(x[:, 1] - y) <= COLUMN * self.scene.spacing * ROUNDING])
 
     def values(self, sums: Floats, rows: Floats, view: View) -> Floats | tuple[float, ...]:
         found = bodies_of_all(rows[rows[:, 0] == BODY], self.gap)

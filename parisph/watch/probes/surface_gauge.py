@@ -3,14 +3,17 @@
 from collections.abc import Sequence
 from typing import Any, Literal, Union
 
+import numpy as np
 from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.base.probe_rows import HEIGHT
 from parisph.case.probes import Gauge
 from parisph.case.truths import Peaks, Truth, WaveTruth
+from parisph.watch import gauges
 from parisph.watch.gauges import COLUMN, GAUGE_GAP, column_rows, top
 from parisph.watch.sampling import View
+from parisph.watch.surface_fit import RADIUS, fitted_height
 
 NODES = 4.0     # [spacings] largest distance along x of surface particles for a gauge
 SLOPE = 2.0     # largest slope between two particles of a smooth surface
@@ -20,16 +23,16 @@ Place = tuple[float, float]    # x, y [m]
 
 
 class SurfaceGauge(Gauge):
-    """Height y of the free surface [m] above x = `at` [m].
+    """Height of the free surface [m] above x = `at`, in 3D above (x, y) [m].
 
-    If the surface is smooth, the height is interpolated between particles (`surface_height`). Where it breaks, the
-    height is that of the topmost particle of the column; on a dry bed it is that of the bed.
+    If the surface is smooth, the height is interpolated between particles (`surface_height`, in 3D
+    surface_fit.fitted_height). Where it breaks, the height is that of the topmost particle of the column; on a dry bed
+    it is that of the bed.
 
     >>> SurfaceGauge("gauge", at=0.25).name
     'gauge'
     """
 
-    dims = (2,)
     of_surface = True
     quantity = "surface height $y$"
 
@@ -41,23 +44,26 @@ class SurfaceGauge(Gauge):
         return f"Height of the free surface above {self.where}"
 
     def rows(self, view: View) -> Floats:
-        return surface_rows(view, self.at)
+        return surface_rows(view, self.place)
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        return (surface(rows, view, self.at),)
+        return (surface(rows, view, self.place),)
 
 
-def surface_rows(view: View, at: float) -> Floats:
-    """Return the rows (n, 4) of this rank for `surface` at x = `at` [m]."""
-    return column_rows(view, at, GAUGE_GAP, NODES)
+def surface_rows(view: View, place: gauges.Place) -> Floats:
+    """Return the rows (n, WIDTH) of this rank for `surface` at x, in 3D (x, y) [m]."""
+    return column_rows(view, place, GAUGE_GAP, NODES if len(place) == 1 else RADIUS)
 
 
-def surface(rows: Floats, view: View, at: float) -> float:
-    """Return the height of the surface [m] at x = `at` [m] from the rows of all ranks."""
-    height, s = rows[:, 0] == HEIGHT, view.scene.spacing
-    highest, wet = top(rows[~height], view, at, GAUGE_GAP)
+def surface(rows: Floats, view: View, place: gauges.Place) -> float:
+    """Return the height of the surface [m] at x, in 3D (x, y) [m], from the rows of all ranks."""
+    height, s, at = rows[:, 0] == HEIGHT, view.scene.spacing, place[0]
+    highest, wet = top(rows[~height], view, place, GAUGE_GAP)
     if not height.any() or not wet:
         return highest
+    if len(place) == 2:
+        near = [(axis, wall) for axis, wall in view.scene.mirrors_at(view.time) if abs(wall - place[axis]) < RADIUS * s]
+        return fitted_height(np.array(place), rows[height, 1:4], highest, COLUMN * s, s, near)
     mirrors = [side for side in view.scene.sides_at(view.time) if abs(side - at) < NODES * s]
     return surface_height(at, rows[height, 1], rows[height, 2], highest, s, mirrors)
 

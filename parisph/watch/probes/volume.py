@@ -13,7 +13,7 @@ INSIDE = 2.1    # [spacings] least distance from the surface of cells inside the
 
 
 class Volume(Probe):
-    """Mean Voronoi cell inside the fluid over the square of the spacing.
+    """Mean Voronoi cell inside the fluid over the square of the spacing, in 3D over its cube.
 
     It is dimensionless, 1 on a lattice of the spacing; fluid of another shape may start with other cells. The column
     `count` is the number of averaged cells: those of inner particles farther than 2.1 spacings from all surface and
@@ -24,7 +24,6 @@ class Volume(Probe):
     """
 
     columns = {"cell": "", "count": "particles"}
-    dims = (2,)
     quantity, quantities = "mean cell inside the fluid $/\\,s^2$", {"count": "cells counted"}
 
     kind: Literal["volume"] = Field(default="volume", init=False)
@@ -34,11 +33,14 @@ class Volume(Probe):
 
     def sums(self, view: View) -> Floats:
         from parisph.kernels.interior import interior_cells
+        from parisph.kernels.interior_volumes import interior_volumes, spiral
         from parisph.kernels.records import cloud_of
 
         p, d, s = view.particles, view.domain, view.scene.spacing
         cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
+        if view.scene.dim == 3:
+            return np.array(interior_volumes(cloud, INSIDE * s, d.radius, spiral()))
         return np.array(interior_cells(cloud, INSIDE * s, d.radius))
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        return (sums[0] / (sums[1] * view.scene.spacing**2) if sums[1] else np.nan), sums[1]
+        return (sums[0] / (sums[1] * view.scene.spacing**view.scene.dim) if sums[1] else np.nan), sums[1]
