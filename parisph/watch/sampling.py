@@ -35,8 +35,8 @@ class ProbeScene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of the tank, or of the
     fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero unless the body force is uniform and
-    constant in the tank's frame; now : the walls at any time, None without walls and in 3D; sides : x of both sides of the first
-    tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
+    constant in the tank's frame; now : the walls at any time, None without walls and in 3D; sides : x of both sides of
+    the first tank at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
     dim: int
