@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from parisph.base.fields import ABSENT, FLUID, INNER, WALL
+from parisph.base.fields import ABSENT, FLUID, INNER, SURFACE, WALL
 from parisph.case.lattice import Lattice
 from parisph.geometry.mesh import WallMesh, block_mesh
 from parisph.kernels import density, records
@@ -255,6 +255,21 @@ def harmonic_cubics(x, many=8, seed=0):
         found.append(((z**3).real, (3.0 * z[:, None] ** 2 * along).real,
                       (6.0 * z[:, None, None] * np.outer(along, along)).real))
     return found
+
+
+def filled(cells, depth, width=None, jitter=0.0):
+    """Return an open tank with fluid up to the layer `depth`, and up to the column `width` along x only."""
+    pool = tank(cells, jitter=jitter)
+    index = pool.index
+    keep = (pool.kind == WALL) | (index[:, -1] <= depth)
+    if width is not None:
+        keep &= (pool.kind == WALL) | (index[:, 0] <= width)
+    pool.role[pool.fluid] = INNER
+    top = pool.fluid & (index[:, -1] == depth)
+    if width is not None:
+        top |= pool.fluid & (index[:, 0] == width)
+    pool.role[top] = SURFACE
+    return part(pool, keep)
 
 
 def part(pool, keep):

@@ -66,8 +66,8 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
 
     Positions alone do not distinguish water at rest one spacing below a lid from water that fills the tank, because
     wall particles replace its neighbours. The history does. A wall particle closes the fluid off if it was wet, if the
-    water line reaches it (next to a wet one, with inner fluid within NEARBY), or if fluid hits it: closer than TOUCH at
-    the end of the step, and moving or pulled towards it.
+    water line reaches it (next to a wet one, with inner fluid within NEARBY, on edges of 3D `deeper`), or if fluid hits
+    it: closer than TOUCH at the end of the step, and moving or pulled towards it.
 
     A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall beside it,
     as below a lid: it must not repel this fluid. All others are free. Those of a side wall above the water line act on
@@ -83,6 +83,7 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
             closing[i] = APART
             continue
         beside_wet, beside_inner, opposite, near, hit = False, False, False, False, False
+        nearby = NEARBY * spacing * (deeper(cloud.corner[i]) if dim == 3 else 1.0)
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             r2, away, towards, pull, cosine = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -95,7 +96,7 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
             if kind[j] == WALL:
                 beside_wet |= role[j] == WET and cosine > ALIKE and r2 < (NEXT * spacing) ** 2
                 continue
-            beside_inner |= role[j] == INNER and r2 < (NEARBY * spacing) ** 2
+            beside_inner |= role[j] == INNER and r2 < nearby * nearby
             if away > 0.0 and r2 - away * away < (BESIDE * spacing) ** 2:
                 opposite = True
                 near |= away < TOUCH * spacing
@@ -216,10 +217,10 @@ def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
 def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
     """Write which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    A wet one closes the fluid off (closing_walls), has an inner particle within INSIDE, and has fluid, or beside a
-    corner the other wall, on both sides along the wall. In the corner itself the inner particle is enough, and on an
-    edge of 3D fluid or another wall on both sides along the edge. A contact particle is not wet, but has a surface
-    particle beside it. Roles of fluid are read, those of owned walls written.
+    A wet one closes the fluid off (closing_walls), has an inner particle within INSIDE (on edges of 3D `deeper`), and
+    has fluid, or beside a corner the other wall, on both sides along the wall. In the corner itself the inner particle
+    is enough, and on an edge of 3D fluid or another wall on both sides along the edge. A contact particle is not wet,
+    but has a surface particle beside it. Roles of fluid are read, those of owned walls written.
 
     closing : (n_all,) of `closing_walls`
     """
@@ -229,7 +230,7 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
     for i in range(len(indptr) - 1):
         if kind[i] != WALL:
             continue
-        inner, beside = False, False
+        inner, beside, inside = False, False, INSIDE * spacing * (deeper(cloud.corner[i]) if dim == 3 else 1.0)
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if kind[j] != FLUID:
@@ -239,7 +240,7 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
             for a in range(dim):
                 r2 += (x[j, a] - x[i, a]) ** 2
                 away += (x[j, a] - x[i, a]) * normal[i, a]
-            inner |= role[j] == INNER and r2 < (INSIDE * spacing) ** 2
+            inner |= role[j] == INNER and r2 < inside * inside
             beside |= (role[j] == SURFACE and 0.0 < away < LAYER * spacing
                        and r2 - away * away < (STANDS * spacing) ** 2)
         wet = inner and closing[i] == CLOSING

@@ -1,11 +1,16 @@
 """Surface particles that stand for half a cell: p = 0 is at their centres, else half a layer outside."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from parisph import Case, Fluid, Numerics, Obstacle, Polygon, StillWater, Tank
 from parisph.base.fields import FLUID, SURFACE
+from parisph.kernels import wetness
 from parisph.kernels.surface_rows import FULL, HALF
+from parisph.methods import filling
+from tests.pools import filled
 from tests.scenes import simulated
 
 S = 0.05
@@ -35,3 +40,30 @@ def test_a_column_has_full_cells_down_to_its_foot(walls):
     x, cells = surface_of(Polygon([(0.475, 0.0), (0.725, 0.0), (0.725, 0.6), (0.475, 0.6)]), *walls)
     side = x[:, 1] < 0.5
     assert (cells[side] > FULL).all() and np.count_nonzero(side) > 15
+
+
+def on_lattice(cells, level):
+    """Return a flow of water up to a layer of a tank of so many cells, as far as half cells need it, and its pool."""
+    pool = filled(cells, level)
+    top, s = np.array(cells), pool.spacing
+    wide = 1.0 + 0.5 * (pool.index == 1) + 0.5 * (pool.index == top - 1)
+    wide[:, -1] = np.where(pool.index[:, -1] == level, 0.5, np.where(pool.index[:, -1] == 1, 1.5, 1.0))
+    weight, _, _ = pool._completion
+    covered = np.empty(pool.n)
+    wetness.covered_walls(covered, pool.cloud)
+    p = SimpleNamespace(kind_all=pool.kind, role_all=pool.role, x_all=pool.x, x=pool.x, n_owned=pool.n, n_all=pool.n,
+                        dim=pool.dim, weight_all=weight, covered_all=covered, half=np.zeros(pool.n, np.int8))
+    flow = SimpleNamespace(particles=p, spacing=s, cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
+                           domain=SimpleNamespace(update=lambda *names: None),
+                           walls=SimpleNamespace(cover=lambda flow: ()))
+    return flow, pool
+
+
+@pytest.mark.parametrize("cells", [(6, 8), (6, 5, 8), (2, 2, 8)])
+def test_level_water_in_a_tank_has_halves_in_its_corners_too(cells):
+    """In a corner of 3D a particle has 9/8 of a cell, in a tank two cells wide 2: all on the level are halves."""
+    flow, pool = on_lattice(cells, 5)
+    surface = pool.fluid & (pool.role == SURFACE)
+    assert flow.cells[surface].max() == pytest.approx({2: 0.75, 3: 2.0 if cells[0] == 2 else 1.125}[len(cells)])
+    filling.halve_on_lattice(flow)
+    np.testing.assert_array_equal(flow.particles.half == 1, surface)

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WALL, WET
 from parisph.kernels import wetness
-from tests.pools import dims, part, tank
+from tests.pools import dims, filled, part, tank
 
 
 def wetted(pool, closing=True):
@@ -14,21 +14,6 @@ def wetted(pool, closing=True):
     wetness.wet_walls(pool.cloud._replace(role=role), closing)
     assert np.array_equal(role[pool.fluid], pool.role[pool.fluid])
     return role
-
-
-def filled(cells, depth, width=None, jitter=0.0):
-    """Return an open tank with fluid up to the layer `depth`, and up to the column `width` along x only."""
-    pool = tank(cells, jitter=jitter)
-    index = pool.index
-    keep = (pool.kind == WALL) | (index[:, -1] <= depth)
-    if width is not None:
-        keep &= (pool.kind == WALL) | (index[:, 0] <= width)
-    pool.role[pool.fluid] = INNER
-    top = pool.fluid & (index[:, -1] == depth)
-    if width is not None:
-        top |= pool.fluid & (index[:, 0] == width)
-    pool.role[top] = SURFACE
-    return part(pool, keep)
 
 
 @dims
