@@ -73,7 +73,7 @@ def rims_of(case: Scene, reach: float) -> tuple[Rim, ...]:
     """
     bodies, s = dict(zip(body_names(case.bodies), case.bodies)), case.numerics.spacing
     pairs = [(wall, bodies[wall.name]) for wall in scene_walls(case) if wall.name in bodies]
-    held = () if case.walls is None or case.lidded else (_holder(pairs, s, reach),)
+    held: tuple[Rim, ...] = () if case.walls is None or case.lidded else (_holder(pairs, s, reach),)
     if case.dim == 3:
         held = tuple(_across(case, rim) for rim in held)
     # water may flow around a wavemaker that does not reach across a 3D scene

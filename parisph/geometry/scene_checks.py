@@ -267,7 +267,7 @@ def _stepped(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Polygons whose surface does not lie on the lattice, so that it starts below where the user puts it."""
     s, corners = case.numerics.spacing, wall_mesh(walls, case.numerics.spacing).corners()
     for (name, fluid), fill in zip(fluid_names(case), fillings(case)):
-        if not isinstance(fluid.shape, Polygon):
+        if not isinstance(fluid.shape, Polygon) or not isinstance(fill, Filling):
             continue
         points = np.array(fluid.shape.points)
         a, b = (points, np.roll(points, -1, axis=0))[:: 1 if signed_area(points) > 0.0 else -1]

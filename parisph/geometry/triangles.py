@@ -24,8 +24,12 @@ def triangulated(nodes: Floats, edges: Ints, inside: Callable[[Floats], Flags], 
 
     Inner nodes lie on a lattice that divides the box around the region evenly. Raises CaseError.
     """
+<<<<<<< HEAD
     # 2D scenes do not load it
     from scipy.spatial import Delaunay
+=======
+    from scipy.spatial import Delaunay  # 2D scenes do not load it
+>>>>>>> geo42
 
     inner = _inner(nodes, edges, inside, spacing)
     points = np.concatenate([nodes, inner])
@@ -118,7 +122,7 @@ def corner_parts(corners: Floats) -> Floats:
     In an obtuse triangle, half is the corner's with the obtuse angle. So a node of a square lattice has a square,
     whatever the diagonals.
     """
-    side2 = np.stack([np.sum((corners[:, (k + 1) % 3] - corners[:, (k + 2) % 3]) ** 2, axis=1) for k in range(3)], axis=1)
+    side2 = np.sum((corners[:, [1, 2, 0]] - corners[:, [2, 0, 1]]) ** 2, axis=2)    # opposite to each corner
     # squares of the sides times the cotangents of the opposite angles, over twice the area
     turned = side2 * (side2.sum(axis=1)[:, None] - 2.0 * side2)
     parts: Floats = 0.5 * (1.0 - turned / np.maximum(turned.sum(axis=1), 1e-300)[:, None])

@@ -12,7 +12,7 @@ from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
 from parisph.methods.flow import Flow
 
-AT_WALL = 1.5  # spacings: fluid this near to a wall may represent more or less than other fluid beside it
+AT_WALL = 1.5    # tuned 1.3 to 1.9: spacings from a node within which fluid may have more than its cell; judged
 TIE = 1e-3    # spacings by which nodes are moved, so that none is equally near to two lattice particles
 
 
