@@ -113,7 +113,8 @@ def _extrapolated(own: Ints, offset: Floats, weight: Floats, p: Floats, many: in
     beside = usable & (away <= nearest[own] + TIE)
     wet_beside = np.bincount(own[beside & np.isfinite(p)], minlength=many) > 0
     use = np.isfinite(p) & (weight > 0.0) & wet_beside[own]
-    own, offset, weight, pressure = own[use], offset[use], weight[use], p[use]
+    own, offset, weight = own[use], offset[use], weight[use]
+    pressure: Floats = p[use]
     total = np.maximum(np.bincount(own, weight, many), np.finfo(float).tiny)
 
     def mean(values: Floats) -> Floats:
