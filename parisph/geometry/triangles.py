@@ -24,12 +24,8 @@ def triangulated(nodes: Floats, edges: Ints, inside: Callable[[Floats], Flags], 
 
     Inner nodes lie on a lattice that divides the box around the region evenly. Raises CaseError.
     """
-<<<<<<< HEAD
     # 2D scenes do not load it
     from scipy.spatial import Delaunay
-=======
-    from scipy.spatial import Delaunay  # 2D scenes do not load it
->>>>>>> geo42
 
     inner = _inner(nodes, edges, inside, spacing)
     points = np.concatenate([nodes, inner])
