@@ -57,6 +57,10 @@ class Profiles(Model):
         each_named(other.name for other in self.others)
         return self
 
+    def __hash__(self) -> int:
+        """Hash few fields, as others are dictionaries: caches of scenes need a hash of the whole case."""
+        return hash((self.file, self.time, self.value, self.name))
+
 
 def read_profiles(truth: Profiles) -> list[tuple[float, Floats, Floats]]:
     """Return (time [s], places (n,) [m], heights (n,) [m]) of each profile in order of time, points as in the file.

@@ -129,6 +129,10 @@ class Truth(Model):
         each_named(other.name for other in self.others)
         return self
 
+    def __hash__(self) -> int:
+        """Hash few fields, as others are dictionaries: caches of scenes need a hash of the whole case."""
+        return hash((self.file, self.time, self.value, self.name))
+
 
 class WaveTruth(Model):
     """A wave as the truth of a surface gauge, whose error is that of the wave part.

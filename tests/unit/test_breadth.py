@@ -6,7 +6,21 @@ import math
 import numpy as np
 import pytest
 
-from parisph import Box, Case, CaseError, Fluid, Heave, Numerics, PressureTap, Roll, Sponge, SurfaceGauge, Sway, Tank
+from parisph import (
+    Box,
+    Case,
+    CaseError,
+    Energy,
+    Fluid,
+    Heave,
+    Numerics,
+    PressureTap,
+    Roll,
+    Sponge,
+    SurfaceGauge,
+    Sway,
+    Tank,
+)
 from parisph.case import size
 from parisph.case.absorb import Relaxation
 from parisph.case.bodies import Flap, Obstacle, Piston, Plate, Profile, StillWater
@@ -16,6 +30,7 @@ from parisph.case.motion import Moved, Series, Tabulated
 from parisph.case.sections import cuts, in_section, projected, section, sections
 from parisph.case.shapes import Disc, Lid, Polygon
 from parisph.case.stored import from_json, to_json
+from parisph.case.truths import Truth
 from parisph.case.waves import Airy
 
 S, G = 0.055, 9.81
@@ -220,6 +235,12 @@ def test_estimated_numbers_of_particles():
                                  spacing=s))
     assert with_box["wall"] - count["wall"] == pytest.approx((0.8 * 0.4 + 2.0 * 0.04) / s**2, abs=1)
     assert size.memory(1e6, 1, 3) - size.memory(0, 1, 3) == 5.6e9
+
+
+def test_a_case_with_truths_has_a_hash():
+    truth = Truth("p.csv", "t", "p", published={"A": 0.1}, rows={"a": "b"})
+    probes = [PressureTap("t", at=(0.0, 0.5, 0.1), truth=truth), Energy("e")]
+    assert hash(scene(probes=probes)) == hash(scene(probes=probes))
 
 
 # -- messages -----------------------------------------------------------------------------
