@@ -1,4 +1,4 @@
-"""Scenes in 3D: water at rest stays at rest beside bodies and slopes, and a piston moves a slab as it moves 2D water."""
+"""Scenes in 3D: water rests beside bodies and slopes, and a piston moves a slab as it moves 2D water."""
 
 import numpy as np
 import pytest
