@@ -272,7 +272,7 @@ def across(*ends, at=0.5, name="", **others):
     (lambda: scene(TANK, Fluid(Box(0.5, 0.5, breadth=0.04), 1000.0)), "fluid.shape: is 0.04 m broad, 0.73 spacings"),
     (lambda: Roll(0.1, 2.0, axis="x"), "Roll has no field 'axis'; a Roll turns the section, in 3D about y; pitch and"),
     (lambda: scene(spacing=2e-6), "of memory; at most 2.1e+09 can be numbered"),
-    (lambda: scene(probes=[SurfaceGauge("g", at=(1.0, 0.5))]), "a SurfaceGauge exists in 2D only so far; leave it out"),
+    (lambda: scene(probes=[SurfaceGauge("g", at=1.0)]), "at = 1: a gauge of a 3D scene stands at (x, y); give both"),
     (lambda: scene(probes=[PressureTap("t", at=(0.0, 0.1))]), "probe 't': at = (0.0, 0.1) must have 3 components"),
     (lambda: scene(probes=[PressureTap("t", at=(0.0, 0.5, 0.1), diameter=0.1)]), "diameter = 0.1: the disc of a sensor "
      "exists in 2D only; give a radius instead"),
