@@ -48,7 +48,8 @@ def test_a_piston_moves_a_slab_as_it_moves_2d_water():
                 simulation.advance()
             p = simulation.particles
             fluid = p.kind == FLUID
-            found.append((p.volume[fluid] @ p.u[fluid][:, 0] / p.volume[fluid].sum(), p.x[fluid][:, -1].max(), simulation.time))
+            mean = p.volume[fluid] @ p.u[fluid][:, 0] / p.volume[fluid].sum()
+            found.append((mean, p.x[fluid][:, -1].max(), simulation.time))
             if across:    # packing leaves particles uneven
                 assert np.abs(p.u[fluid][:, 1]).max() < 0.1 * np.abs(p.u[fluid][:, 0]).max()
         finally:
