@@ -42,6 +42,15 @@ PREFIX = "pressure_"
 # These rows have 18 entries. With 32 entries, as of ISPH, an iteration costs more: a step takes the same time with RCM
 # and in the curve's order, 35.5 and 36.0 ms, and RCM needs fewer iterations (15; 18).
 SMALL, LONG = 6_000, 25    # unknowns; entries of a row above which RCM pays
+# Rows in 3D have 70 entries, in 2D 37 at most. Fill is too dear then, and iterations grow as N^(1/3) only, so factors
+# without fill serve larger systems. Milliseconds of set-up + solve, from 0 to 1e-5, rows of violent flow (iterations):
+#     unknowns                     18,897            68,626
+#     ILU(0), the curve's order    117 + 75 (24)     151 + 394 (34)
+#     ILU(0), RCM                  139 + 72 (20)
+#     ILU(1), RCM                  1029 + 78 (12)
+#     BoomerAMG, Gauss-Seidel      73 + 116 (11)     364 + 485 (11)
+#     BoomerAMG, Jacobi            70 + 80 (12)      309 + 272 (12)
+SMALL_3D, ROW_3D = 60_000, 50    # unknowns of a rank; entries of a row above which it is one of 3D
 
 # Least number of ranks with overlapping blocks of factors without fill. On fewer, blocks are of each rank's own rows,
 # in their order along the Hilbert curve: overlapping blocks cost more to make and apply than their fewer iterations
@@ -75,6 +84,9 @@ _BOOMERAMG = {
     "pc_hypre_boomeramg_relax_type_down": "SOR/Jacobi",
     "pc_hypre_boomeramg_relax_type_up": "backward-SOR/Jacobi",
 }
+
+# Cheaper sweeps for the long rows of 3D (see SMALL_3D).
+_JACOBI = {f"pc_hypre_boomeramg_relax_type_{way}": "Jacobi" for way in ("down", "up")}
 
 # Gaussian elimination on a (nearly) singular coarsest level amplifies rounding errors.
 _BOOMERAMG_CLOSED = {"pc_hypre_boomeramg_relax_type_coarse": "symmetric-SOR/Jacobi"}
@@ -118,15 +130,17 @@ def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
     unknowns, entries : int, rows and matrix entries on all ranks
     lasting : whether the preconditioner is expected to be kept for several matrices
     """
-    kind = PETSc.Options(PREFIX).getString("pc_type", "")
+    kind, spatial = PETSc.Options(PREFIX).getString("pc_type", ""), entries > ROW_3D * unknowns
     if not kind:
-        kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
+        small = SMALL_3D * ranks if spatial else SMALL
+        kind = "incomplete" if unknowns <= small else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
     if kind == "incomplete":
         # Long rows produce more fill: with 37 entries per row, each level doubles the set-up time.
-        levels = (1 + int(entries < 32 * unknowns)) * int(lasting)
-        preconditioner: Mapping[str, str | None] = _incomplete(ranks, levels, long=entries > LONG * unknowns)
+        levels = 0 if spatial else (1 + int(entries < 32 * unknowns)) * int(lasting)
+        long = entries > LONG * unknowns and not spatial
+        preconditioner: Mapping[str, str | None] = _incomplete(ranks, levels, long)
     elif kind == "hypre":
-        preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
+        preconditioner = dict(_BOOMERAMG, **(_JACOBI if spatial else {}), **(_BOOMERAMG_CLOSED if closed else {}))
     else:
         preconditioner = _GAMG if kind == "gamg" else {}  # the user's own
     return dict(_KRYLOV, ksp_rtol=repr(float(rtol)), **preconditioner)

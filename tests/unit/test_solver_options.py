@@ -71,13 +71,18 @@ def test_detail_of_the_default_preconditioner_may_be_changed(make):
     (1000, 21_000, 4, False, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}),
     (1000, 21_000, 2, True, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
     (1000, 21_000, 2, False, {"pc_type": "bjacobi", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}),
-    (100_000, 2_100_000, 4, True, {"pc_type": "hypre", "pc_hypre_type": "boomeramg"}),
+    (100_000, 2_100_000, 4, True, {"pc_type": "hypre", "pc_hypre_boomeramg_relax_type_down": "SOR/Jacobi"}),
+    (50_000, 3_500_000, 1, True, {"pc_type": "ilu", "pc_factor_levels": "0"}),
+    (100_000, 7_000_000, 2, False, {"pc_type": "bjacobi", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}),
+    (100_000, 7_000_000, 1, True, {"pc_type": "hypre", "pc_hypre_boomeramg_relax_type_down": "Jacobi"}),
 ])
 def test_default_preconditioner_goes_by_size_and_row_length(unknowns, entries, ranks, lasting, expected):
     chosen = opts.primary(1e-6, False, ranks, unknowns, entries, lasting)
     assert {name: chosen[name] for name in expected} == expected
-    # along the curve, but for long rows on one rank
-    in_order = not lasting and (ranks < opts.OVERLAPPING if ranks > 1 else entries <= opts.LONG * unknowns)
+    # along the curve, but for the long rows of 2D on one rank
+    spatial = entries > opts.ROW_3D * unknowns
+    short = spatial or entries <= opts.LONG * unknowns
+    in_order = (spatial or not lasting) and (ranks < opts.OVERLAPPING if ranks > 1 else short)
     orders = {value for name, value in chosen.items() if name.endswith("ordering_type")}
     assert orders == (set() if in_order or expected["pc_type"] == "hypre" else {"rcm"})
 
