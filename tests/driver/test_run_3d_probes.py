@@ -15,7 +15,8 @@ def made(tmp_path_factory):
     case = Case(title="column", fluid=Fluid(Box(0.5, 0.6), 1000.0), walls=Tank(1.0, 1.0, breadth=0.6),
                 gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), end_time=0.15, probes=[
                     Force("load", side="bed"), ProbeArray("rows", [Force("back", side="back")]),
-                    Flux("through", start=(0.57, 0.0), end=(0.57, 1.0), pause=0.1), SurfaceGauge("gauge", at=(0.0, 0.3))])
+                    Flux("through", start=(0.57, 0.0), end=(0.57, 1.0), pause=0.1),
+                    SurfaceGauge("gauge", at=(0.0, 0.3))])
     return run_alone(case, folder), open_run(folder)
 
 
