@@ -113,16 +113,16 @@ def _extrapolated(own: Ints, offset: Floats, weight: Floats, p: Floats, many: in
     beside = usable & (away <= nearest[own] + TIE)
     wet_beside = np.bincount(own[beside & np.isfinite(p)], minlength=many) > 0
     use = np.isfinite(p) & (weight > 0.0) & wet_beside[own]
-    own, offset, weight = own[use], offset[use], weight[use]
-    pressure: Floats = p[use]
+    own, offset, weight, p = own[use], offset[use], weight[use], p[use]
     total = np.maximum(np.bincount(own, weight, many), np.finfo(float).tiny)
 
     def mean(values: Floats) -> Floats:
         found: Floats = np.bincount(own, weight * values, many) / total
         return found
 
-    level, centre = mean(pressure), np.stack([mean(offset[:, 0]), mean(offset[:, 1])], axis=1)
-    off, rise = offset - centre[own], pressure - level[own]
+    level, centre = mean(p), np.stack([mean(offset[:, 0]), mean(offset[:, 1])], axis=1)
+    off: Floats = offset - centre[own]
+    rise: Floats = p - level[own]
     moments = np.stack([[mean(off[:, a] * off[:, b]) for b in (0, 1)] for a in (0, 1)]).transpose(2, 0, 1)
     right = np.stack([mean(off[:, 0] * rise), mean(off[:, 1] * rise)], axis=1)
     slope = np.linalg.pinv(moments, rcond=LEVEL, hermitian=True) @ right[:, :, None]

@@ -262,8 +262,8 @@ def test_uniform_flow_has_its_rate_through_a_rectangle(name):
 
 
 @pytest.mark.parametrize("name, counts", [
-    ("whole", [1, -1, 1, 1, 0]), ("part", [1, -1, 0, 1, 0]), ("back", [-1, 1, -1, -1, 0]), ("corners", [1, -1, 0, 0, 0]),
-    ("across", [0, 0, 0, 0, -1]),
+    ("whole", [1, -1, 1, 1, 0]), ("part", [1, -1, 0, 1, 0]), ("back", [-1, 1, -1, -1, 0]),
+    ("corners", [1, -1, 0, 0, 0]), ("across", [0, 0, 0, 0, -1]),
 ])
 def test_what_goes_through_a_rectangle_counts_and_what_passes_beside_it_does_not(name, counts):
     gate = GATES[name][0].gate(3)
