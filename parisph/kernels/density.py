@@ -23,7 +23,6 @@ from parisph.kernels.jit import axes_of, inlined, kernel
 from parisph.kernels.near import dot, room_for
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
-from parisph.kernels.solids import element_normal
 from parisph.kernels.surface import lattice_sum
 
 ENTRIES = 1024    # table length
@@ -270,49 +269,49 @@ def _behind_segment(pull, i, x, e, corners, table):
 
 @inlined
 def _behind_triangle(pull, i, x, e, corners, table):
-    element_normal(pull, e, corners, (0, 1, 2))
-    height = 0.0
-    for a in range(3):
-        height += (x[i, a] - corners[e, 0, a]) * pull[a]
-        pull[a] = 0.0
+    x0, x1, x2 = x[i, 0], x[i, 1], x[i, 2]
+    a0, a1, a2 = corners[e, 0, 0] - x0, corners[e, 0, 1] - x1, corners[e, 0, 2] - x2
+    b0, b1, b2 = corners[e, 1, 0] - x0, corners[e, 1, 1] - x1, corners[e, 1, 2] - x2
+    c0, c1, c2 = corners[e, 2, 0] - x0, corners[e, 2, 1] - x1, corners[e, 2, 2] - x2
+    p, q = (b0 - a0, b1 - a1, b2 - a2), (c0 - a0, c1 - a1, c2 - a2)
+    n0, n1, n2 = p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]
+    height = -(a0 * n0 + a1 * n1 + a2 * n2) / math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
     if not 1e-9 * table.h < height < 2.0 * table.h:
         return 0.0
-    mean, weights = 0.0, 0.0
-    for q in range(6):    # weighted by solid angle
-        r2 = 0.0
-        for a in range(3):
-            r2 += (_inside(e, q, a, corners) - x[i, a]) ** 2
-        r = math.sqrt(r2)
-        part = (NEAR_SIDES if q < 3 else NEAR_CORNERS) / (r2 * r)
+    mean, weights, s0, s1, s2 = 0.0, 0.0, a0 + b0 + c0, a1 + b1 + c1, a2 + b2 + c2
+    # Six points, weighted by solid angle: three are near sides, each opposite to a corner, three near corners.
+    for k in range(6):
+        c, others = k % 3, OF_SIDES if k < 3 else OF_CORNERS
+        own = 1.0 - 3.0 * others
+        y0 = others * s0 + own * (a0 if c == 0 else b0 if c == 1 else c0)
+        y1 = others * s1 + own * (a1 if c == 0 else b1 if c == 1 else c1)
+        y2 = others * s2 + own * (a2 if c == 0 else b2 if c == 1 else c2)
+        r = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
+        part = (NEAR_SIDES if k < 3 else NEAR_CORNERS) / (r * r * r)
         mean += _entry(table, 0, r) * part
         weights += part
-        for a in range(3):
-            pull[a] += _entry(table, 3, r) * part * (_inside(e, q, a, corners) - x[i, a]) / r
-    angle = _solid_angle(i, x, e, corners)
+        force = _entry(table, 3, r) * part / r
+        pull[0] += force * y0
+        pull[1] += force * y1
+        pull[2] += force * y2
+    angle = _solid_angle((a0, a1, a2), (b0, b1, b2), (c0, c1, c2))
     for a in range(3):
         pull[a] *= angle / weights
     return angle * mean / weights
 
 
 @inlined
-def _inside(e, q, a, corners):
-    """Return coordinate a of the point number q of a triangle: opposite to a corner, near a side, or near a corner."""
-    c, others = q % 3, OF_SIDES if q < 3 else OF_CORNERS
-    total = corners[e, 0, a] + corners[e, 1, a] + corners[e, 2, a]
-    return others * total + (1.0 - 3.0 * others) * corners[e, c, a]
+def _solid_angle(a, b, c):
+    """Return the solid angle of a triangle (van Oosterom & Strackee 1983), positive from the fluid's side.
 
-
-@inlined
-def _solid_angle(i, x, e, corners):
-    """Return the solid angle of a triangle (van Oosterom & Strackee 1983), positive from the fluid's side."""
-    ax, ay, az = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1], corners[e, 0, 2] - x[i, 2]
-    bx, by, bz = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1], corners[e, 1, 2] - x[i, 2]
-    cx, cy, cz = corners[e, 2, 0] - x[i, 0], corners[e, 2, 1] - x[i, 1], corners[e, 2, 2] - x[i, 2]
-    la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
-    lc = math.sqrt(cx * cx + cy * cy + cz * cz)
-    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    below = la * lb * lc + (ax * bx + ay * by + az * bz) * lc
-    below += (bx * cx + by * cy + bz * cz) * la + (cx * ax + cy * ay + cz * az) * lb
+    a, b, c : its corners from the point
+    """
+    la, lb = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
+    lc = math.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
+    volume = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+    volume += a[2] * (b[0] * c[1] - b[1] * c[0])
+    below = la * lb * lc + (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * lc
+    below += (b[0] * c[0] + b[1] * c[1] + b[2] * c[2]) * la + (c[0] * a[0] + c[1] * a[1] + c[2] * a[2]) * lb
     return -2.0 * math.atan2(volume, below)
 
 
