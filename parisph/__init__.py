@@ -34,7 +34,7 @@ __all__ = [
     "Series", "Tabulated", "PistonStroke", "FlapStroke", "Sponge", "Relaxation", "SurfaceGauge", "PressureTap",
     "WaterFront", "ColumnHeight", "Energy", "Volume", "Momentum", "VelocityPoint", "VelocityProfile", "RunUp", "Force",
     "Flux", "Friction", "ProbeArray", "Profiles", "Airy", "Jonswap", "Sloshing", "SolitaryWave", "StandingWave",
-    "Stokes", "StreamFunction", "WaveTruth",
+    "Stokes", "StreamFunction", "TankMode", "WaveTruth",
     "load", "run", "restart", "Simulation", "open_run",
     "ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted", "MissingLibrary",
     "BadEnvironment",

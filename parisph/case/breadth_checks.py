@@ -13,6 +13,8 @@ from parisph.case.scene import Scene
 from parisph.case.scenery import body_names, fluid_names
 from parisph.case.sections import bodies_across, cuts
 from parisph.case.shapes import Box, Tank
+from parisph.case.wave_sizes import waves
+from parisph.case.waves import TankMode
 
 LEAST = 4.0     # spacings of breadth: in a narrower scene all fluid is beside the front or the back
 NARROW = 2.0    # spacings: particles between nearer ends are beside both
@@ -23,8 +25,8 @@ ACROSS = 1e-9   # of a direction: a smaller part along y is rounding
 def problems(case: Scene) -> list[str]:
     """Return the problems of the dimensions of a case, one line each."""
     if case.breadth is None:
-        return [*_without(case), *_expressions(case)]
-    found = [*_breadths(case), *_expressions(case), *_ways(case)]
+        return [*_without(case), *_expressions(case), *_directions(case)]
+    found = [*_breadths(case), *_expressions(case), *_ways(case), *_directions(case)]
     return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_makers(case), *_fluids(case)]
 
 
@@ -78,6 +80,19 @@ def _parts(case: Scene) -> Iterator[tuple[str, Spread]]:
         if isinstance(fluid.shape, Spread):
             yield f"{name}.shape", fluid.shape
         yield from ((f"{name}.holes[{number}]", hole) for number, hole in enumerate(fluid.holes))
+
+
+def _directions(case: Scene) -> Iterator[str]:
+    """Waves with a direction or across, where waves run along x only."""
+    for name, wave in waves(case):
+        if isinstance(wave, TankMode):
+            if case.dim == 2:
+                yield f"{name}: a TankMode is for a 3D scene, and this one is 2D; use StandingWave(length=, amplitude=)"
+        elif wave.direction is not None and case.dim == 2:
+            yield f"{name}.direction: is for a 3D scene, and this one is 2D; leave it out, or use leftward=True"
+        elif wave.direction is not None and name.startswith("walls"):
+            yield (f"{name}.direction = {shown(wave.direction)}: a wavemaker makes waves along x only; leave it out, "
+                   "or make the wave by a Relaxation zone")
 
 
 def _expressions(case: Scene) -> Iterator[str]:

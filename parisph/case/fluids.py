@@ -12,7 +12,7 @@ from parisph.case.breadth import lifted
 from parisph.case.expressions import compile_expression, variable_names, vector_field
 from parisph.case.model import Model, Several
 from parisph.case.shapes import Box, Disc, Polygon, Shape
-from parisph.case.waves import AnyWave, wave_velocity
+from parisph.case.waves import AnyWave
 
 NEAR = 0.5         # spacings to both sides for differences: a jump has the vorticity of one spacing
 ROUNDING = 1e-4    # of a velocity: a smaller change over a length counts as none
@@ -36,7 +36,7 @@ class Fluid(Model):
         are moved up
     wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0 instead of these two; the
         top of the Box is its still surface, and its height is the wave's depth. StillWater has this depth at its
-        deepest place. In 3D it runs along x
+        deepest place. In 3D it runs along x, or along its direction
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
 
@@ -81,8 +81,10 @@ class Fluid(Model):
         y : (n,) [m] across a 3D scene
         """
         if self.wave is not None:
+            if y is not None and self.wave.varies_across:
+                return self.wave.surface(x, y, 0.0)
             columns, which = np.unique(x, return_inverse=True)
-            return self.wave.elevation(columns, 0.0)[which]
+            return self.wave.surface(columns, None if y is None else 0.0, 0.0)[which]
         if self.elevation is None:
             return np.zeros(len(x))
         if y is None:
@@ -94,7 +96,7 @@ class Fluid(Model):
         if self.wave is None:
             return vector_field(lifted(self.velocity, np.shape(x)[1]), with_time=False)(x)
         bed = self.top - self.wave.depth
-        return wave_velocity(self.wave, x, bed, 0.0)
+        return self.wave.flow(x, bed, 0.0)
 
     def start_vorticity(self, x: Floats, length: float) -> Floats:
         """Return dv/dx - du/dy (n,) [1/s] of the velocity at the start, at x (n, 2) [m]; a wave has none.

@@ -32,7 +32,8 @@ class Model(BaseModel, metaclass=Described):
                               defer_build=True)    # a run uses few of all records
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        names = list(given(type(self)))
+        fields = given(type(self))
+        names = sorted(fields, key=lambda name: bool(fields[name].kw_only))    # as in the signature
         if len(args) > len(names):
             raise CaseError(
                 f"{type(self).__name__} takes at most {len(names)} values by position ({', '.join(names)}), "

@@ -17,6 +17,7 @@ from parisph.case.motion import AtRest, Motion, Rotation, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.shapes import ENDS, Box, Shape, Tank
+from parisph.case.waves.wavefield import InSection
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 
@@ -145,5 +146,6 @@ def _fluid_in(case: Scene, fluid: Fluid, lower: float, upper: float) -> Fluid:
     elevation = fluid.elevation if fluid.elevation is None else in_section(fluid.elevation, y)
     velocity = tuple(in_section(part, y) for part in flat(fluid.velocity))
     holes: tuple[Shape, ...] = tuple(_shape_in(hole) for hole in fluid.holes if _spans(case, hole, lower, upper))
+    wave = InSection(of=fluid.wave, y=y) if fluid.wave is not None and fluid.wave.varies_across else fluid.wave
     return fluid.model_copy(update={"shape": _shape_in(fluid.shape), "velocity": velocity, "elevation": elevation,
-                                    "holes": holes})
+                                    "holes": holes, "wave": wave})

@@ -248,7 +248,7 @@ def _planes(case: Scene, ends: tuple[float, float]) -> tuple[Floats, bool]:
 
 def _varies(fluid: Fluid) -> bool:
     """Return whether the elevation of a fluid may vary across."""
-    return isinstance(fluid.elevation, str)
+    return isinstance(fluid.elevation, str) or fluid.wave is not None and fluid.wave.varies_across
 
 
 def _layer(case: Scene, number: int, y: float, step: float, size: float, between: bool = False) -> Layer:
