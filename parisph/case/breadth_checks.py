@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.text import rounded_down, shown
 from parisph.case.bodies import Body, Flap, Piston, Profile, motion_of
 from parisph.case.breadth import Spread, section_of
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.lattice import FIT
 from parisph.case.motion import Sway, Translation
 from parisph.case.scene import Scene
@@ -66,7 +67,10 @@ def _beside(one: Body | None, other: Body | None) -> bool:
 def _without(case: Scene) -> Iterator[str]:
     """What only 3D scenes have."""
     for name, part in _parts(case):
-        if part.extent is not None or getattr(part, "breadth", None) is not None:
+        if isinstance(part, Ellipsoid):
+            yield (f"{name}: an Ellipsoid is for a 3D scene, and this one is 2D; give a Tank or a Profile a breadth, "
+                   "or use a Disc")
+        elif part.extent is not None or getattr(part, "breadth", None) is not None:
             field = "breadth" if isinstance(part, Box) or getattr(part, "breadth", None) is not None else "across"
             yield (f"{name}: {field} is for a 3D scene, and this one is 2D; leave it out, or "
                    + ("give a Tank or a Profile a breadth" if case.bodies else "give a Box of fluid a breadth"))

@@ -9,6 +9,7 @@ from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.bodies import StillWater
 from parisph.case.breadth import lifted
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.expressions import compile_expression, variable_names, vector_field
 from parisph.case.model import Model, Several
 from parisph.case.shapes import Box, Disc, Polygon, Shape
@@ -21,14 +22,14 @@ LEFT = 0.1         # of a vorticity: finer differences must keep more of it, or 
 Number = Union[float, str]  # a number, or an expression of position
 
 
-FluidShape = Annotated[Union[Box, Disc, Polygon, StillWater],
-                       Field(discriminator="kind", description="StillWater, a Box, Disc or Polygon")]
+FluidShape = Annotated[Union[Box, Disc, Polygon, Ellipsoid, StillWater],
+                       Field(discriminator="kind", description="StillWater, a Box, Disc or Polygon, or an Ellipsoid")]
 
 
 class Fluid(Model):
     """A body of fluid and its start.
 
-    shape : Box, Disc, Polygon or StillWater; parts of it that lie in or behind walls are left out
+    shape : Box, Disc, Polygon, StillWater, or in 3D an Ellipsoid; parts of it that lie in or behind walls are left out
     density : [kg/m3]
     velocity : components [m/s], numbers or expressions of x, y; in 3D three of x, y, z, or two in the section
     elevation : None, or the height of the free surface above the top of a Box or the level of StillWater [m], a

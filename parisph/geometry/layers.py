@@ -11,6 +11,7 @@ import numpy as np
 
 from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.case.breadth import section_of
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.fluids import Fluid
 from parisph.case.lattice import FIT
 from parisph.case.scene import Scene
@@ -192,8 +193,11 @@ class LayeredFilling:
         for a, b in zip(ends, ends[1:]):
             many = 1 if fine is None else max(int(np.ceil((b - a) * fine / self.spacing - 1e-9)), 1)
             for k in range(many):
-                y = a + (k + 0.5) * (b - a) / many
-                yield y, (b - a) / many, _layer(self.case, self.number, y, 0.0, 0.0, True)
+                y, thick = a + (k + 0.5) * (b - a) / many, (b - a) / many
+                if isinstance(self.shape, Ellipsoid):    # with the volume of the slice
+                    mean = self.shape.slice_area(a + k * thick, a + (k + 1) * thick)
+                    thick *= mean / self.shape.section(y).area
+                yield y, thick, _layer(self.case, self.number, y, 0.0, 0.0, True)
 
     def _nearest(self, y: Floats) -> Ints:
         planes = np.array([layer.y for layer in self.layers])
@@ -247,8 +251,9 @@ def _planes(case: Scene, ends: tuple[float, float]) -> tuple[Floats, bool]:
 
 
 def _varies(fluid: Fluid) -> bool:
-    """Return whether the elevation of a fluid may vary across."""
-    return isinstance(fluid.elevation, str) or fluid.wave is not None and fluid.wave.varies_across
+    """Return whether the section of a fluid may vary across."""
+    oblique = fluid.wave is not None and fluid.wave.varies_across
+    return isinstance(fluid.shape, Ellipsoid) or isinstance(fluid.elevation, str) or oblique
 
 
 def _layer(case: Scene, number: int, y: float, step: float, size: float, between: bool = False) -> Layer:
