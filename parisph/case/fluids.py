@@ -76,6 +76,12 @@ class Fluid(Model):
         """Whether the surface has an elevation at the start."""
         return self.elevation is not None or self.wave is not None
 
+    @property
+    def varies_across(self) -> bool:
+        """Whether its section may not be the same at all places across a 3D scene."""
+        oblique = self.wave is not None and self.wave.varies_across
+        return isinstance(self.shape, Ellipsoid) or isinstance(self.elevation, str) or oblique
+
     def rise(self, x: Floats, y: Floats | None = None) -> Floats:
         """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m].
 

@@ -32,8 +32,7 @@ class Model(BaseModel, metaclass=Described):
                               defer_build=True)    # a run uses few of all records
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        fields = given(type(self))
-        names = sorted(fields, key=lambda name: bool(fields[name].kw_only))    # as in the signature
+        names = list(given(type(self)))
         if len(args) > len(names):
             raise CaseError(
                 f"{type(self).__name__} takes at most {len(names)} values by position ({', '.join(names)}), "

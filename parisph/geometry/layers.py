@@ -179,7 +179,7 @@ class LayeredFilling:
 
     def volume(self, box: tuple[Floats, Floats]) -> float:
         """Return the volume [m3] of the fluid. box : corners (3,) [m] of the scene"""
-        fine = FINE if _varies(self.case.fluids[self.number]) else None
+        fine = FINE if self.case.fluids[self.number].varies_across else None
         low, high = map(section_of, box)
         found = 0.0
         for _, thickness, layer in self._slices(fine):
@@ -248,12 +248,6 @@ def _planes(case: Scene, ends: tuple[float, float]) -> tuple[Floats, bool]:
         known = all(np.abs(walls - end).min() <= FIT * s for end in (a, b))
         found.append(walls[(walls >= a) & (walls <= b)] if known else divided(a, b, s))
     return np.unique(np.concatenate(found)), all(fits)
-
-
-def _varies(fluid: Fluid) -> bool:
-    """Return whether the section of a fluid may vary across."""
-    oblique = fluid.wave is not None and fluid.wave.varies_across
-    return isinstance(fluid.shape, Ellipsoid) or isinstance(fluid.elevation, str) or oblique
 
 
 def _layer(case: Scene, number: int, y: float, step: float, size: float, between: bool = False) -> Layer:

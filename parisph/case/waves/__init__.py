@@ -9,7 +9,7 @@ from typing import Annotated, Union
 from pydantic import Field
 
 from parisph.case.waves.airy import Airy, StandingWave
-from parisph.case.waves.exact_flows import column_start_pressure, drop_half_axes
+from parisph.case.waves.exact_flows import column_start_pressure, drop_half_axes, ellipsoid_half_axes
 from parisph.case.waves.jonswap import Jonswap
 from parisph.case.waves.linear import (
     angular_frequency,
@@ -39,6 +39,7 @@ __all__ = [
     "angular_frequency",
     "column_start_pressure",
     "drop_half_axes",
+    "ellipsoid_half_axes",
     "standing_wave_elevation",
     "standing_wave_start",
     "standing_wave_velocity",

@@ -49,6 +49,10 @@ class WaveField(Model):
         @property
         def g(self) -> float: ...
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        cls.model_fields["direction"] = cls.model_fields.pop("direction")    # after those that may be given by position
+
     @model_serializer(mode="wrap")
     def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Leave out a direction that is not given: releases before 3D do not know it."""
