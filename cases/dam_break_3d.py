@@ -32,7 +32,7 @@ def case(
     preset: str = "violent",
     end_time: float = 4.0,              # t sqrt(g/H)
     time_step: float | None = None,     # dt sqrt(g/H), none to adapt it
-    breadth: float = 0.4,               # of the tank / H
+    breadth: float = 0.6,               # of the tank / H
     column: float | None = None,        # breadth of the column / H, none for that of the tank
     cfl: float = 1.5,
     rtol: float = 1e-4,
