@@ -29,12 +29,12 @@ __version__ = "0.1.0"
 # Written out for type checkers.
 __all__ = [
     "__version__",
-    "Case", "Fluid", "StillWater", "Box", "Disc", "Polygon", "Tank", "Lid", "Profile", "Obstacle", "Plate", "Piston",
-    "Flap", "Surface", "Numerics", "Output", "PeakBand", "Peaks", "Truth", "AtRest", "Sway", "Heave", "Roll", "Moved",
-    "Series", "Tabulated", "PistonStroke", "FlapStroke", "Sponge", "Relaxation", "SurfaceGauge", "PressureTap",
+    "Case", "Fluid", "StillWater", "Box", "Disc", "Ellipsoid", "Polygon", "Tank", "Lid", "Profile", "Obstacle", "Plate",
+    "Piston", "Flap", "Surface", "Numerics", "Output", "PeakBand", "Peaks", "Truth", "AtRest", "Sway", "Heave", "Roll",
+    "Moved", "Series", "Tabulated", "PistonStroke", "FlapStroke", "Sponge", "Relaxation", "SurfaceGauge", "PressureTap",
     "WaterFront", "ColumnHeight", "Energy", "Volume", "Momentum", "VelocityPoint", "VelocityProfile", "RunUp", "Force",
     "Flux", "Friction", "ProbeArray", "Profiles", "Airy", "Jonswap", "Sloshing", "SolitaryWave", "StandingWave",
-    "Stokes", "StreamFunction", "WaveTruth",
+    "Stokes", "StreamFunction", "TankMode", "WaveTruth",
     "load", "run", "restart", "Simulation", "open_run",
     "ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted", "MissingLibrary",
     "BadEnvironment",

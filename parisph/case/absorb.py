@@ -12,7 +12,7 @@ from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.case.model import Model
-from parisph.case.waves import AnyWave, angular_frequency, wave_velocity
+from parisph.case.waves import AnyWave, angular_frequency
 
 # Strengths that best absorb waves of half to one zone length. A zone that makes a wave must also absorb the reflection
 # from the wall behind it, which passes the zone only once.
@@ -94,7 +94,7 @@ class Relaxation(Zone):
     def target(self, x: Floats, t: float, level: float) -> Floats | float:
         bed = (level if self.level is None else self.level) - self.wave.depth
         grown = float(np.sin(0.5 * np.pi * np.clip(t / self.ramp, 0.0, 1.0)) ** 2) if self.ramp else 1.0
-        return grown * wave_velocity(self.wave, x, bed, t)
+        return grown * self.wave.flow(x, bed, t)
 
 
 AnyZone = Annotated[Union[Sponge, Relaxation], Field(discriminator="kind", description="a zone that absorbs waves")]

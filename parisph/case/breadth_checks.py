@@ -7,12 +7,15 @@ import numpy as np
 from parisph.base.text import rounded_down, shown
 from parisph.case.bodies import Body, Flap, Piston, Profile, motion_of
 from parisph.case.breadth import Spread, section_of
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.lattice import FIT
 from parisph.case.motion import Sway, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names, fluid_names
 from parisph.case.sections import bodies_across, cuts
 from parisph.case.shapes import Box, Tank
+from parisph.case.wave_sizes import waves
+from parisph.case.waves import TankMode
 
 LEAST = 4.0     # spacings of breadth: in a narrower scene all fluid is beside the front or the back
 NARROW = 2.0    # spacings: particles between nearer ends are beside both
@@ -23,8 +26,8 @@ ACROSS = 1e-9   # of a direction: a smaller part along y is rounding
 def problems(case: Scene) -> list[str]:
     """Return the problems of the dimensions of a case, one line each."""
     if case.breadth is None:
-        return [*_without(case), *_expressions(case)]
-    found = [*_breadths(case), *_expressions(case), *_ways(case)]
+        return [*_without(case), *_expressions(case), *_directions(case)]
+    found = [*_breadths(case), *_expressions(case), *_ways(case), *_directions(case)]
     return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_makers(case), *_fluids(case)]
 
 
@@ -64,7 +67,10 @@ def _beside(one: Body | None, other: Body | None) -> bool:
 def _without(case: Scene) -> Iterator[str]:
     """What only 3D scenes have."""
     for name, part in _parts(case):
-        if part.extent is not None or getattr(part, "breadth", None) is not None:
+        if isinstance(part, Ellipsoid):
+            yield (f"{name}: an Ellipsoid is for a 3D scene, and this one is 2D; give a Tank or a Profile a breadth, "
+                   "or use a Disc")
+        elif part.extent is not None or getattr(part, "breadth", None) is not None:
             field = "breadth" if isinstance(part, Box) or getattr(part, "breadth", None) is not None else "across"
             yield (f"{name}: {field} is for a 3D scene, and this one is 2D; leave it out, or "
                    + ("give a Tank or a Profile a breadth" if case.bodies else "give a Box of fluid a breadth"))
@@ -78,6 +84,19 @@ def _parts(case: Scene) -> Iterator[tuple[str, Spread]]:
         if isinstance(fluid.shape, Spread):
             yield f"{name}.shape", fluid.shape
         yield from ((f"{name}.holes[{number}]", hole) for number, hole in enumerate(fluid.holes))
+
+
+def _directions(case: Scene) -> Iterator[str]:
+    """Waves with a direction or across, where waves run along x only."""
+    for name, wave in waves(case):
+        if isinstance(wave, TankMode):
+            if case.dim == 2:
+                yield f"{name}: a TankMode is for a 3D scene, and this one is 2D; use StandingWave(length=, amplitude=)"
+        elif wave.direction is not None and case.dim == 2:
+            yield f"{name}.direction: is for a 3D scene, and this one is 2D; leave it out, or use leftward=True"
+        elif wave.direction is not None and name.startswith("walls"):
+            yield (f"{name}.direction = {shown(wave.direction)}: a wavemaker makes waves along x only; leave it out, "
+                   "or make the wave by a Relaxation zone")
 
 
 def _expressions(case: Scene) -> Iterator[str]:

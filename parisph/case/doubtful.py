@@ -18,7 +18,7 @@ from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box
 from parisph.case.wave_sizes import Size
-from parisph.case.waves import Airy, Sloshing, SolitaryWave, StandingWave
+from parisph.case.waves import Airy, Sloshing, SolitaryWave, StandingWave, TankMode
 
 # {preset: length in spacings below which a standing wave with kd = pi loses 5 % of its height or more in a period}. In
 # three periods with `gentle`, H/s = .1 to 1, it loses 40 to 47 % at L/s = 6, 15 to 25 % at 8, 5 to 15 % at 10, 1 to 4 %
@@ -76,11 +76,11 @@ def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
         if isinstance(wave, Airy) and part > HARMONIC:
             yield (f"{size.name}: a linear wave of this height lacks its second harmonic, {part:.0%} of its amplitude, "
                    "which becomes a free wave; use Stokes, or StreamFunction for a long one")
-        elif isinstance(wave, StandingWave) and part > MOST_HARMONIC:
+        elif isinstance(wave, (StandingWave, TankMode)) and part > MOST_HARMONIC:
             yield (f"{size.name}: it is too high for linear theory, by which its second harmonic has {part:.0%} of its "
                    f"amplitude, at most {MOST_HARMONIC:.0%}; use an amplitude of at most "
                    f"{rounded_down(0.5 * size.height * MOST_HARMONIC / part)}")
-        elif isinstance(wave, StandingWave) and (missed := part * math.sin(wave.phase) ** 2) > HARMONIC:
+        elif isinstance(wave, (StandingWave, TankMode)) and (missed := part * math.sin(wave.phase) ** 2) > HARMONIC:
             yield (f"{size.name}: with phase = {wave.phase:.3g} it starts raised by linear theory, without its second "
                    f"harmonic, {missed:.0%} of its amplitude: as much becomes free waves of twice the wave "
                    "number; start with phase = 0, when the surface is flat and the second harmonic is least")

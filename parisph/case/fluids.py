@@ -9,10 +9,11 @@ from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.bodies import StillWater
 from parisph.case.breadth import lifted
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.expressions import compile_expression, variable_names, vector_field
 from parisph.case.model import Model, Several
 from parisph.case.shapes import Box, Disc, Polygon, Shape
-from parisph.case.waves import AnyWave, wave_velocity
+from parisph.case.waves import AnyWave
 
 NEAR = 0.5         # spacings to both sides for differences: a jump has the vorticity of one spacing
 ROUNDING = 1e-4    # of a velocity: a smaller change over a length counts as none
@@ -21,14 +22,14 @@ LEFT = 0.1         # of a vorticity: finer differences must keep more of it, or 
 Number = Union[float, str]  # a number, or an expression of position
 
 
-FluidShape = Annotated[Union[Box, Disc, Polygon, StillWater],
-                       Field(discriminator="kind", description="StillWater, a Box, Disc or Polygon")]
+FluidShape = Annotated[Union[Box, Disc, Polygon, Ellipsoid, StillWater],
+                       Field(discriminator="kind", description="StillWater, a Box, Disc or Polygon, or an Ellipsoid")]
 
 
 class Fluid(Model):
     """A body of fluid and its start.
 
-    shape : Box, Disc, Polygon or StillWater; parts of it that lie in or behind walls are left out
+    shape : Box, Disc, Polygon, StillWater, or in 3D an Ellipsoid; parts of it that lie in or behind walls are left out
     density : [kg/m3]
     velocity : components [m/s], numbers or expressions of x, y; in 3D three of x, y, z, or two in the section
     elevation : None, or the height of the free surface above the top of a Box or the level of StillWater [m], a
@@ -36,7 +37,7 @@ class Fluid(Model):
         are moved up
     wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0 instead of these two; the
         top of the Box is its still surface, and its height is the wave's depth. StillWater has this depth at its
-        deepest place. In 3D it runs along x
+        deepest place. In 3D it runs along x, or along its direction
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
 
@@ -75,14 +76,22 @@ class Fluid(Model):
         """Whether the surface has an elevation at the start."""
         return self.elevation is not None or self.wave is not None
 
+    @property
+    def varies_across(self) -> bool:
+        """Whether its section may not be the same at all places across a 3D scene."""
+        oblique = self.wave is not None and self.wave.varies_across
+        return isinstance(self.shape, Ellipsoid) or isinstance(self.elevation, str) or oblique
+
     def rise(self, x: Floats, y: Floats | None = None) -> Floats:
         """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m].
 
         y : (n,) [m] across a 3D scene
         """
         if self.wave is not None:
+            if y is not None and self.wave.varies_across:
+                return self.wave.surface(x, y, 0.0)
             columns, which = np.unique(x, return_inverse=True)
-            return self.wave.elevation(columns, 0.0)[which]
+            return self.wave.surface(columns, None if y is None else 0.0, 0.0)[which]
         if self.elevation is None:
             return np.zeros(len(x))
         if y is None:
@@ -94,7 +103,7 @@ class Fluid(Model):
         if self.wave is None:
             return vector_field(lifted(self.velocity, np.shape(x)[1]), with_time=False)(x)
         bed = self.top - self.wave.depth
-        return wave_velocity(self.wave, x, bed, 0.0)
+        return self.wave.flow(x, bed, 0.0)
 
     def start_vorticity(self, x: Floats, length: float) -> Floats:
         """Return dv/dx - du/dy (n,) [1/s] of the velocity at the start, at x (n, 2) [m]; a wave has none.

@@ -1,13 +1,15 @@
 """The lattice on which a body of fluid and the walls of a tank start, in any number of dimensions.
 
 In a tank it begins at the tank's lower corner, so wall particles lie on the wall and fluid at s, 2s, ... from it.
-Without a tank it begins at the lower corner of a Box or Polygon, and has a point at the centre of a Disc.
+Without a tank it begins at the lower corner of a Box or Polygon, and has a point at the centre of a Disc
+or an Ellipsoid.
 """
 
 import numpy as np
 
 from parisph.base.arrays import Floats, Ints
-from parisph.case.shapes import Box, Disc, Polygon, Tank
+from parisph.case.ellipsoid import AnyShape, Ellipse
+from parisph.case.shapes import Box, Disc, Tank
 
 FIT = 1e-3      # spacings: tolerance for a length of a whole number of spacings
 STRETCH = 0.15  # of a spacing: limit of the change of a step that makes up for another axis
@@ -16,7 +18,7 @@ STRETCH = 0.15  # of a spacing: limit of the change of a step that makes up for 
 class Lattice:
     """Points origin + step * index.
 
-    shape : Box, Disc or Polygon
+    shape : Box, Disc, Polygon or Ellipse
     spacing : [m]
 
     Attributes:
@@ -25,11 +27,11 @@ class Lattice:
     top : (dim,) int64 index of the tank's far corner; only with a tank
     """
 
-    def __init__(self, shape: Box | Disc | Polygon, tank: Tank | None, spacing: float) -> None:
+    def __init__(self, shape: AnyShape, tank: Tank | None, spacing: float) -> None:
         lower, upper = shape.bounds
         tolerance = 0.01 * spacing
         if tank is None:
-            self.origin = np.array(shape.at) if isinstance(shape, Disc) else lower
+            self.origin = np.array(shape.at) if isinstance(shape, (Disc, Ellipse)) else lower
             size = shape.size if isinstance(shape, Box) else None
         else:
             self.origin = tank.bounds[0]

@@ -12,6 +12,7 @@ from parisph.base.text import shown
 from parisph.case.absorb import Absorber, AnyZone, Zone
 from parisph.case.bodies import Body, Flap, Piston, Profile, StillWater, Walls, motion_of
 from parisph.case.breadth import Spread, lifted, solid_box
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import Fluid
 from parisph.case.friction import Friction
@@ -101,7 +102,8 @@ class Scene(Model):
     def breadth(self) -> tuple[float, float] | None:
         """The ends (y0, y1) [m] of a 3D scene, its front and its back; None in 2D.
 
-        They are those of its Tank, else of a Profile with a breadth, else, without walls, of its Boxes together.
+        They are those of its Tank, else of a Profile with a breadth, else, without walls, of its Boxes and
+        Ellipsoids together.
         """
         tank = self.tank
         if tank is not None and tank.extent is not None:
@@ -109,7 +111,7 @@ class Scene(Model):
         for body in self.bodies:
             if isinstance(body, Profile) and body.breadth is not None:
                 return 0.0, body.breadth
-        ends = [fluid.shape.extent for fluid in self.fluids if isinstance(fluid.shape, Box)]
+        ends = [fluid.shape.extent for fluid in self.fluids if isinstance(fluid.shape, (Box, Ellipsoid))]
         known = [] if self.bodies else [pair for pair in ends if pair is not None]
         return (min(low for low, _ in known), max(high for _, high in known)) if known else None
 

@@ -10,6 +10,7 @@ from parisph.base.text import named, shown
 from parisph.case import checks
 from parisph.case.absorb import Relaxation, Sponge
 from parisph.case.bodies import Flap, Obstacle, Piston, Plate, Profile, StillWater
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.faults import first_lines
 from parisph.case.fluids import Fluid
 from parisph.case.friction import Friction
@@ -25,14 +26,14 @@ from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Lid, Polygon, Tank
 from parisph.case.surface_body import Surface
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
-from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
+from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction, TankMode
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "Disc", "Flap", "FlapStroke", "Fluid", "Friction", "Heave",
-    "Jonswap", "Lid", "Moved", "Numerics", "Obstacle", "Output", "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate",
-    "Polygon", "ProbeArray", "Profile", "Profiles", "Relaxation", "Roll", "Series", "Sloshing", "SolitaryWave",
-    "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "Surface", "Sway", "Tabulated", "Tank", "Truth",
-    "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "Disc", "Ellipsoid", "Flap", "FlapStroke", "Fluid",
+    "Friction", "Heave", "Jonswap", "Lid", "Moved", "Numerics", "Obstacle", "Output", "PeakBand", "Peaks", "Piston",
+    "PistonStroke", "Plate", "Polygon", "ProbeArray", "Profile", "Profiles", "Relaxation", "Roll", "Series", "Sloshing",
+    "SolitaryWave", "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "Surface", "Sway", "Tabulated",
+    "Tank", "TankMode", "Truth", "WaveTruth",
 ]
 
 # Context of a validation that checks only names and types, to open an older run that this release would not compute.

@@ -11,12 +11,14 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.bodies import Body, Flap, Obstacle, Piston, Profile
 from parisph.case.breadth import Spread, flat
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.fluids import Fluid
 from parisph.case.lattice import FIT
 from parisph.case.motion import AtRest, Motion, Rotation, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.shapes import ENDS, Box, Shape, Tank
+from parisph.case.waves.wavefield import InSection
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 
@@ -110,8 +112,10 @@ def _spans(case: Scene, part: Spread | Fluid, lower: float, upper: float) -> boo
     return low <= lower + slack and upper <= high + slack
 
 
-def _shape_in(shape: Any) -> Any:
-    """Return the section of a shape; StillWater is its own."""
+def _shape_in(shape: Any, y: float = 0.0) -> Any:
+    """Return the section of a shape, of an Ellipsoid that at y [m]; StillWater is its own."""
+    if isinstance(shape, Ellipsoid):
+        return shape.section(y)
     if not isinstance(shape, Spread):
         return shape
     if isinstance(shape, Box):
@@ -145,5 +149,6 @@ def _fluid_in(case: Scene, fluid: Fluid, lower: float, upper: float) -> Fluid:
     elevation = fluid.elevation if fluid.elevation is None else in_section(fluid.elevation, y)
     velocity = tuple(in_section(part, y) for part in flat(fluid.velocity))
     holes: tuple[Shape, ...] = tuple(_shape_in(hole) for hole in fluid.holes if _spans(case, hole, lower, upper))
-    return fluid.model_copy(update={"shape": _shape_in(fluid.shape), "velocity": velocity, "elevation": elevation,
-                                    "holes": holes})
+    wave = InSection(of=fluid.wave, y=y) if fluid.wave is not None and fluid.wave.varies_across else fluid.wave
+    return fluid.model_copy(update={"shape": _shape_in(fluid.shape, y), "velocity": velocity, "elevation": elevation,
+                                    "holes": holes, "wave": wave})

@@ -4,6 +4,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.case.bodies import StillWater
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.expressions import vector_field
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc
@@ -85,7 +86,8 @@ def strongest(case: Scene) -> float:
 
 def flow_length(case: Scene) -> float:
     """Return the length l [m] of the time scale sqrt(l/a) of violent flow: the spacing, or if more, the smallest extent
-    of any body of fluid at the start over FINE, if all are boxes, discs or still water without holes."""
-    whole = all(isinstance(fluid.shape, (Box, Disc, StillWater)) and not fluid.holes for fluid in case.fluids)
+    of any body of fluid at the start over FINE, if all are boxes, discs, ellipsoids or still water without holes."""
+    shapes = Box, Disc, Ellipsoid, StillWater
+    whole = all(isinstance(fluid.shape, shapes) and not fluid.holes for fluid in case.fluids)
     thickness = min(float(np.min(high - low)) for low, high in map(case.bounds_of, case.fluids))
     return max(case.numerics.spacing, thickness / FINE if whole else 0.0)

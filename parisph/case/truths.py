@@ -149,9 +149,9 @@ class WaveTruth(Model):
     level: float = Field(description="height y of the still surface [m]")
     window: Window = None
 
-    def series(self, x: float, times: Floats) -> Floats:
-        """Return the height of the surface [m] at x [m] and times (n,) [s]."""
-        return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
+    def series(self, x: float, times: Floats, y: float | None = None) -> Floats:
+        """Return the height of the surface [m] at x, in 3D at x and y [m], and times (n,) [s]."""
+        return self.level + self.of.surface(x, y, np.asarray(times, dtype=float))
 
 
 def bands_of(truth: Model | None) -> Sequence[PeakBand]:

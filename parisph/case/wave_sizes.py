@@ -25,6 +25,7 @@ from parisph.case.waves import (
     StandingWave,
     Stokes,
     StreamFunction,
+    TankMode,
     wave_number,
 )
 
@@ -118,7 +119,8 @@ def size_of(name: str, wave: AnyWave, stop: float) -> Size:
         standing = StandingWave(amplitude=1.0, length=2.0 * wave.length, depth=wave.depth, g=wave.g)
         eta = np.abs(wave.elevation(wave.at, np.linspace(0.0, stop, TIMES))).max()
         return Size(name, wave, 2.0 * float(eta), standing.length, 2.0 * np.pi / standing.omega, wave.depth)
-    return Size(name, wave, 2.0 * wave.amplitude, wave.length, 2.0 * np.pi / wave.omega, wave.depth)
+    length = wave.wavelength if isinstance(wave, TankMode) else wave.length
+    return Size(name, wave, 2.0 * wave.amplitude, length, 2.0 * np.pi / wave.omega, wave.depth)
 
 
 def strain_rate(size: Size, width: float) -> float:
@@ -130,7 +132,7 @@ def strain_rate(size: Size, width: float) -> float:
     middle = getattr(wave, "at", 0.0)
     if 0.5 * size.height < SMALLEST:
         return 0.0
-    if isinstance(wave, Sloshing):
+    if isinstance(wave, (Sloshing, TankMode)):
         wave, middle = StandingWave(amplitude=0.5 * size.height, length=size.length, depth=d, g=wave.g), 0.0
     x, y = (part.ravel() for part in np.meshgrid(
         middle + AROUND * size.length * np.linspace(-1.0, 1.0, ACROSS), d * (np.arange(UP) + 0.5) / UP))

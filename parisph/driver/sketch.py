@@ -36,7 +36,8 @@ def sketch(case: Scene) -> str:
     left_out = f", without {', '.join(surface.name for surface in case.surfaces)}" if case.surfaces else ""
     return "\n".join([_drawn(scene, case.probes, "z"), whole + (
         f"; this is the section from y = {low:g} to {high:g} m, one of {many}" if many > 1 else
-        ", alike all across" if not left_out else "") + left_out])
+        ", alike all across" if not left_out and not any(fluid.varies_across for fluid in case.fluids) else "")
+        + left_out])
 
 
 def _drawn(case: Scene, probes: Sequence[AnyProbe], upwards: str) -> str:

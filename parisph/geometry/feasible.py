@@ -11,8 +11,8 @@ import numpy as np
 from parisph.base.arrays import Floats, Ints
 from parisph.base.text import rounded_down
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
+from parisph.case.ellipsoid import AnyShape
 from parisph.case.lattice import FIT
-from parisph.case.shapes import Shape
 from parisph.geometry.distance import across, area_vectors, nearest, on_segments, unit_normals
 from parisph.geometry.encounters import distance_between
 from parisph.geometry.fill import Filling, taken
@@ -31,8 +31,8 @@ SHORT = 0.6      # spacings: a shorter element crowds its nodes
 ROUNDING = 1e-6  # of a length: values that a message proposes are accepted
 
 
-def faults(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float,
-           holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
+def faults(walls: tuple[Wall, ...], fluids: Sequence[AnyShape | StillWater], spacing: float,
+           holes: Sequence[Sequence[AnyShape]], titles: Sequence[str]) -> list[str]:
     """Return the faults of a scene that cannot be computed, each with a remedy. The same on all ranks.
 
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
@@ -51,7 +51,7 @@ def faults(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacin
     return [*found, *_filled(walls, fluids, spacing, holes, titles)]
 
 
-def warnings(walls: tuple[Wall, ...], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
+def warnings(walls: tuple[Wall, ...], fluids: Sequence[AnyShape | StillWater], spacing: float) -> list[str]:
     """Return what will be computed with larger errors, one sentence each; arguments as of `faults`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]
@@ -196,7 +196,7 @@ def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, Floats,
     return found
 
 
-def _beaches(mesh: WallMesh, names: Sequence[str], fluids: Sequence[Shape | StillWater]) -> Iterator[str]:
+def _beaches(mesh: WallMesh, names: Sequence[str], fluids: Sequence[AnyShape | StillWater]) -> Iterator[str]:
     levels = [fluid.level for fluid in fluids if isinstance(fluid, StillWater)]
     for angle, at, body in shores(mesh, levels):
         if angle < (1.0 - ROUNDING) * WEDGE:
@@ -230,7 +230,7 @@ def _short(chains: Sequence[Chain], walls: Sequence[Wall], names: Sequence[str],
                f"the step, or use a spacing of at most {rounded_down(length / SHORT)}")
 
 
-def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], fluids: Sequence[Shape | StillWater],
+def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], fluids: Sequence[AnyShape | StillWater],
                spacing: float) -> Iterator[str]:
     """Open ends of walls below the top of the fluid, through which it would leave.
 
@@ -252,8 +252,8 @@ def _open_ends(chains: Sequence[Chain], mesh: WallMesh, walls: Sequence[Wall], f
                        "top; extend it above the water, or end it on another body")
 
 
-def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
-            holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> Iterator[str]:
+def _filled(walls: Sequence[Wall], fluids: Sequence[AnyShape | StillWater], spacing: float,
+            holes: Sequence[Sequence[AnyShape]], titles: Sequence[str]) -> Iterator[str]:
     """Bodies of fluid without particles, or separated by less than a spacing."""
     for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         if isinstance(fluid, StillWater) and not walls:
@@ -276,7 +276,7 @@ def _filled(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing
             yield from _slits(walls, fluids, spacing, titles, number)
 
 
-def _slits(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float, titles: Sequence[str],
+def _slits(walls: Sequence[Wall], fluids: Sequence[AnyShape | StillWater], spacing: float, titles: Sequence[str],
            number: int) -> Iterator[str]:
     """Bodies of fluid less than a spacing apart: their particles would be too close."""
     fluid = fluids[number]
@@ -296,7 +296,7 @@ def _slits(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
                    f"at most {rounded_down(gap)}")
 
 
-def _boxes_apart(one: Shape, other: Shape, spacing: float) -> bool:
+def _boxes_apart(one: AnyShape, other: AnyShape, spacing: float) -> bool:
     """Return whether the bounding boxes of two shapes are at least a spacing apart."""
     (low, high), (lower, upper) = one.bounds, other.bounds
     return bool(np.any((low > upper + spacing) | (lower > high + spacing)))

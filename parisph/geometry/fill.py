@@ -11,9 +11,10 @@ import numpy as np
 
 from parisph.base.arrays import Flags, Floats, Ints
 from parisph.case.bodies import StillWater
+from parisph.case.ellipsoid import AnyShape
 from parisph.case.fluids import Fluid
 from parisph.case.lattice import FIT, STRETCH, Lattice
-from parisph.case.shapes import Box, Shape, Tank
+from parisph.case.shapes import Box, Tank
 from parisph.geometry.columns import Intervals, between, crossings, gaps, near_pieces, union
 from parisph.geometry.distance import area_vectors, nearest
 from parisph.geometry.mesh import WallMesh, wall_mesh
@@ -29,10 +30,10 @@ THIN = 0.75      # spacings: a thinner box has no lattice of its own
 ROUNDING = 1e-6  # spacings: tolerance of distances from walls
 FAR = 1e300      # [m], beyond all lines
 
-Taken = tuple[Shape, Sequence[Shape]]    # a shape of other fluid and its holes
+Taken = tuple[AnyShape, Sequence[AnyShape]]    # a shape of other fluid and its holes
 
 
-def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]], number: int) -> list[Taken]:
+def taken(shapes: Sequence[AnyShape | StillWater], holes: Sequence[Sequence[AnyShape]], number: int) -> list[Taken]:
     """Return the other fluid to which a body of fluid gives way: the shapes before it, with their holes.
 
     Still water gives way to all other fluid and leaves its holes empty. So touching bodies join, and no place has two
@@ -66,8 +67,9 @@ class Filling:
     even : whether they lie on the lattice of the tank as the only wall, or there is no wall
     """
 
-    def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], spacing: float, holes: Sequence[Shape] = (),
-                 others: Sequence[Taken] = (), rise: Callable[[Floats], Floats] | None = None) -> None:
+    def __init__(self, shape: AnyShape | StillWater, walls: Sequence[Wall], spacing: float,
+                 holes: Sequence[AnyShape] = (), others: Sequence[Taken] = (),
+                 rise: Callable[[Floats], Floats] | None = None) -> None:
         mesh = wall_mesh(walls, spacing) if walls else None
         self._rise = rise
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
@@ -154,7 +156,7 @@ class Filling:
         none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
         return gaps(union(none, *taken), len(lines), bottom, top)
 
-    def _taken(self, shape: Shape, holes: Sequence[Shape], lines: Floats) -> Intervals:
+    def _taken(self, shape: AnyShape, holes: Sequence[AnyShape], lines: Floats) -> Intervals:
         """Return the intervals of the lines inside other fluid, or within half a spacing of it."""
         found = self._covered(shape, lines, CUT - ROUNDING)
         if not holes:
@@ -163,7 +165,7 @@ class Filling:
             self._covered(hole, lines, -(CUT - ROUNDING)) for hole in holes))
         return gaps(free, len(lines), -FAR, FAR)
 
-    def _covered(self, shape: Shape, lines: Floats, edge: float) -> Intervals:
+    def _covered(self, shape: AnyShape, lines: Floats, edge: float) -> Intervals:
         """Return the intervals of the lines inside a shape, widened by `edge` spacings, narrowed if it is negative."""
         a = corners_of(shape)
         b = np.roll(a, -1, axis=0)

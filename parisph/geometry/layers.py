@@ -11,6 +11,7 @@ import numpy as np
 
 from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.case.breadth import section_of
+from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.fluids import Fluid
 from parisph.case.lattice import FIT
 from parisph.case.scene import Scene
@@ -178,7 +179,7 @@ class LayeredFilling:
 
     def volume(self, box: tuple[Floats, Floats]) -> float:
         """Return the volume [m3] of the fluid. box : corners (3,) [m] of the scene"""
-        fine = FINE if _varies(self.case.fluids[self.number]) else None
+        fine = FINE if self.case.fluids[self.number].varies_across else None
         low, high = map(section_of, box)
         found = 0.0
         for _, thickness, layer in self._slices(fine):
@@ -192,8 +193,11 @@ class LayeredFilling:
         for a, b in zip(ends, ends[1:]):
             many = 1 if fine is None else max(int(np.ceil((b - a) * fine / self.spacing - 1e-9)), 1)
             for k in range(many):
-                y = a + (k + 0.5) * (b - a) / many
-                yield y, (b - a) / many, _layer(self.case, self.number, y, 0.0, 0.0, True)
+                y, thick = a + (k + 0.5) * (b - a) / many, (b - a) / many
+                if isinstance(self.shape, Ellipsoid):    # with the volume of the slice
+                    mean = self.shape.slice_area(a + k * thick, a + (k + 1) * thick)
+                    thick *= mean / self.shape.section(y).area
+                yield y, thick, _layer(self.case, self.number, y, 0.0, 0.0, True)
 
     def _nearest(self, y: Floats) -> Ints:
         planes = np.array([layer.y for layer in self.layers])
@@ -244,11 +248,6 @@ def _planes(case: Scene, ends: tuple[float, float]) -> tuple[Floats, bool]:
         known = all(np.abs(walls - end).min() <= FIT * s for end in (a, b))
         found.append(walls[(walls >= a) & (walls <= b)] if known else divided(a, b, s))
     return np.unique(np.concatenate(found)), all(fits)
-
-
-def _varies(fluid: Fluid) -> bool:
-    """Return whether the elevation of a fluid may vary across."""
-    return isinstance(fluid.elevation, str)
 
 
 def _layer(case: Scene, number: int, y: float, step: float, size: float, between: bool = False) -> Layer:

@@ -8,7 +8,8 @@ import numpy as np
 
 from parisph.base.arrays import Flags, Floats
 from parisph.case.bodies import Obstacle, Plate, Profile
-from parisph.case.shapes import Box, Disc, Shape, Tank
+from parisph.case.ellipsoid import AnyShape, Ellipse, Ellipsoid
+from parisph.case.shapes import Box, Disc, Tank
 from parisph.geometry.columns import cross, meet
 from parisph.geometry.distance import nearest
 
@@ -95,7 +96,7 @@ def solid_of(body: Wall) -> Solid:
     raise TypeError(f"{type(body).__name__} has no outline")
 
 
-def outline_of(shape: Shape) -> Solid:
+def outline_of(shape: AnyShape) -> Solid:
     """Return a shape as a Solid; unlike an Obstacle, it may touch itself, as fluid may."""
     points = corners_of(shape)
     return Solid(points[::-1].copy() if signed_area(points) > 0.0 else points, True)
@@ -129,16 +130,18 @@ def _ray_meets(start: Floats, way: Floats, at: Floats, along: Floats, most: floa
     return bool(np.any(~parallel & (t > 0.0) & (u >= 0.0) & (u <= most)))
 
 
-def corners_of(shape: Shape) -> Floats:
-    """Return the corners (n, 2) [m] of a Box, Disc or Polygon; a disc has FACETS corners and keeps its area."""
+def corners_of(shape: AnyShape) -> Floats:
+    """Return the corners (n, 2) [m] of a shape; a Disc or an Ellipse has FACETS corners and keeps its area."""
     if isinstance(shape, Box):
         (left, low), (right, high) = shape.bounds
         return np.array([(left, low), (right, low), (right, high), (left, high)])
-    if isinstance(shape, Disc):
+    if isinstance(shape, (Disc, Ellipse)):
         angle = 2.0 * np.pi * np.arange(FACETS) / FACETS
-        radius = shape.radius * np.sqrt(2.0 * np.pi / (FACETS * np.sin(2.0 * np.pi / FACETS)))
+        radius = np.array(shape.axes if isinstance(shape, Ellipse) else (shape.radius, shape.radius))
+        radius *= np.sqrt(2.0 * np.pi / (FACETS * np.sin(2.0 * np.pi / FACETS)))
         found: Floats = np.array(shape.at) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         return found
+    assert not isinstance(shape, Ellipsoid), "its sections are Ellipses"
     return np.array(shape.points, dtype=float)
 
 

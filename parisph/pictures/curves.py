@@ -142,7 +142,7 @@ def references(probe: Probe, run: Run, others: bool = True) -> dict[str, Samples
     truth = probe.truth
     if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
         time = run.probe(probe.name)["time"]
-        return {"wave": (time, truth.series(probe.at, time))}
+        return {"wave": (time, truth.series(probe.at, time, probe.y))}
     series = (truth, *(truth.others if others else ())) if isinstance(truth, Truth) else ()
     return {one.name or "reference": read_truth(one) for one in series}
 

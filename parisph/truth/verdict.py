@@ -85,7 +85,8 @@ def _error(probe: Probe, run: Recorded) -> dict[str, Any]:
                 "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
     if isinstance(truth, WaveTruth):
         compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
-        return _judged((time, values), (compared, truth.series(getattr(probe, "at"), compared)), truth.level)
+        place = getattr(probe, "at"), compared, getattr(probe, "y", None)
+        return _judged((time, values), (compared, truth.series(*place)), truth.level)
     found = _against(truth, time, values)
     if truth.peaks:
         found["peaks"] = [_peak(band, time, values, seldom) for band in truth.peaks]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.case.waves import drop_half_axes
+from parisph.case.waves import drop_half_axes, ellipsoid_half_axes
 from parisph.watch import instruments
 from tests.scenes import scene, simulated
 
@@ -35,6 +35,20 @@ def test_drop_in_a_straining_flow(stiffness, end):
     assert after["volume"]["cell"] == pytest.approx(1.0, abs=0.01)
     whole = np.pi * 1000.0      # mass times the speed on the rim
     assert np.hypot(after["momentum"]["px"], after["momentum"]["py"]) < 5e-3 * whole
+
+
+@pytest.mark.parametrize(("stiffness", "rates"), [(0.0, (0.5, 0.5, -1.0)), (1.0, (0.4, -0.1, -0.3))])
+def test_drop_in_3d(stiffness, rates):
+    """It stays an ellipsoid, and keeps its energy but for the work of the force."""
+    s = simulated(scene("drop_3d", {"time_step": 0.02}, spacing=0.2, stiffness=stiffness))
+    start = np.mean(s.particles.x ** 2, axis=0)    # of a ball: a^2/5
+    _, after = steps(s, 10)
+    axes = np.sqrt(np.mean(s.particles.x ** 2, axis=0) / start)
+    exact, strain, pressure = ellipsoid_half_axes(np.array([0.0, s.time]), (1.0, 1.0, 1.0), rates, stiffness)
+    np.testing.assert_allclose(axes, exact[-1], rtol=0.015)
+    assert after["rate"]["u"] == pytest.approx(0.5 * strain[-1, 0], rel=0.03)
+    assert after["centre"]["p"] == pytest.approx(1000.0 * pressure[-1], rel=0.15)    # .02 with R/s = 10
+    assert np.abs([after["momentum"][f"p{axis}"] for axis in "xyz"]).max() < 1e-3 * 4188.8
 
 
 def centre_pressure():

@@ -127,6 +127,41 @@ def test_free_drop_and_patch_turn_as_they_should():
     assert np.allclose(u.sum(axis=0), 0.0, atol=1e-9)
 
 
+def test_drop_and_sloshing_in_3d_have_exact_truths():
+    drop, free = load(CASES / "drop_3d.py", ["stiffness=1"]), load(CASES / "drop_3d.py")
+    x = np.array([[0.5, 0.2, -0.1]])
+    assert drop.body_force(x, 0.0) == pytest.approx(-x) and drop.dim == 3
+    for case, rate in ((drop, 0.4), (free, 0.5)):
+        t, u = read_truth(case.probes[0].truth)
+        assert u[0] == pytest.approx(0.5 * rate) and t[-1] >= case.end_time
+        assert case.fluids[0].start_velocity(np.array([case.probes[0].at]))[0, 0] == pytest.approx(u[0])
+    fluid = geometry.build(free)
+    energy = 0.5 * 1000.0 * 0.1**3 * np.sum(fluid["u"] ** 2)
+    assert read_truth(free.probes[2].truth)[1][0] == pytest.approx(energy, rel=0.02), "of the lattice"
+    case = load(CASES / "sloshing_3d.py")
+    omega = 0.8 * waves.angular_frequency(np.pi, 0.5)
+    for probe in case.probes[:3]:
+        t, eta = read_truth(probe.truth)
+        own = sum(waves.sway_sloshing_elevation(at, t, 1.0, 0.5, 0.0005 / np.sqrt(2.0), omega)
+                  for at in (probe.at, probe.y))
+        np.testing.assert_allclose(eta - 0.5, own, atol=1e-6), probe.name
+    assert case.frame.acceleration_at(x, 0.0) == pytest.approx(0.0005 * omega**2 * np.array([[1, 1, 0]]) / np.sqrt(2.0))
+
+
+def test_a_slab_is_compared_with_2d_and_a_column_in_a_corner_is_not():
+    slab, flat = load(CASES / "dam_break_3d.py"), load(CASES / "dam_break.py")
+    by_name = {probe.name: probe.truth for probe in flat.probes}
+    (_, p), (_, plane) = (read_truth(truth) for truth in (slab.probes[1].truth, by_name["P2"]))
+    np.testing.assert_allclose(p, plane)
+    energy = read_truth(next(probe.truth for probe in slab.probes if probe.name == "energy"))[1]
+    np.testing.assert_allclose(energy, 0.6 * read_truth(by_name["energy"])[1])
+    corner = load(CASES / "dam_break_3d.py", ["breadth=2", "column=0.5", "spacing=0.1"])
+    assert all(probe.truth is None for probe in corner.probes)
+    assert geometry.volume(corner) == pytest.approx(0.25) and corner.breadth == (0.0, 2.0)
+    pier = load(CASES / "flume_3d.py", ["pier=true", "spacing=0.1"])
+    assert not pier.surfaces and load(CASES / "flume_3d.py").surfaces[0].name == "cylinder"
+
+
 def test_dam_breaks_with_measured_pressures_are_the_same_flow():
     zhou, lobovsky = (load(CASES / f"dam_break_{name}.py") for name in ("zhou", "lobovsky"))
     for case, height in ((zhou, 1.0), (lobovsky, 0.3)):

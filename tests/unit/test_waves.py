@@ -83,3 +83,15 @@ def test_drop_keeps_its_area_and_oscillates():
     t = np.linspace(0.0, 2.0 * np.pi / np.sqrt(2.0) / 3.0, 101)
     a, _ = waves.drop_half_axes(t, 1.0, 1e-4, stiffness=3.0)
     assert a[-1] == pytest.approx(1.0, abs=1e-7) and a[25] - 1.0 == pytest.approx(1e-4 / (3.0 * np.sqrt(2.0)), rel=1e-3)
+
+
+@pytest.mark.parametrize("name, rates, stiffness", [
+    ("straining", (0.5, 0.5, -1.0), 0.0), ("central_force", (0.4, -0.1, -0.3), 1.0)])
+def test_half_axes_of_a_drop_in_3d(name, rates, stiffness):
+    data = {key: floats(column) for key, column in table(f"drop_{name}_3d.csv").items()}
+    a, rate, pressure = waves.ellipsoid_half_axes(data["t_s"], (1.0, 1.0, 1.0), rates, stiffness)
+    for k, axis in enumerate("abc"):
+        np.testing.assert_allclose(a[:, k], data[f"{axis}_m"], rtol=4e-6)
+        np.testing.assert_allclose(rate[:, k], data[f"rate_{axis}_1_s"], atol=1e-5)
+    np.testing.assert_allclose(1000.0 * pressure, data["p_centre_Pa"], rtol=3e-6)
+    np.testing.assert_allclose(a.prod(axis=1), 1.0, rtol=1e-5)

@@ -2,19 +2,28 @@
 
 Waves are data of a case. The same record gives a start, the truth of a gauge, and the motion of a wavemaker.
 x is in the scene, y is measured from the bed, elevations from the still surface, and t = 0 is the start of the run.
-SI units; g is the acceleration of gravity.
+In 3D, x of `elevation` and `velocity` is measured along the direction of the wave, from the origin of the scene;
+`surface` and `flow` take places in the scene. SI units; g is the acceleration of gravity.
 """
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.model import Model
+from parisph.case.values import SMALLEST
+
+
+def _level(direction: tuple[float, ...] | None) -> tuple[float, ...] | None:
+    if direction is not None and not (direction[2] == 0.0 and np.linalg.norm(direction) >= SMALLEST):
+        raise ValueError(f"{shown(direction)}: must be horizontal and not zero; give (x, y, 0), for example (1, 1, 0)")
+    return direction
+
 
 Depth = Annotated[float, Field(gt=0, description="depth of the still water [m]")]
 Height = Annotated[float, Field(gt=0, description="height from trough to crest [m]")]
@@ -22,10 +31,62 @@ Period = Annotated[float, Field(gt=0, description="period [s]")]
 Gravity = Annotated[float, Field(gt=0, description="acceleration of gravity [m/s2]")]
 Place = Annotated[float, Field(description="position x of a crest at t = 0 [m]")]
 Leftward = Annotated[bool, Field(description="whether the wave runs towards -x")]
+Level = Annotated[tuple[float, float, float] | None, AfterValidator(_level)]
 
 
 class WaveField(Model):
-    """A wave on water of uniform `depth` [m] at rest, under gravity `g` [m/s2]."""
+    """A wave on water of uniform `depth` [m] at rest, under gravity `g` [m/s2].
+
+    direction : None, or (x, y, 0), the way along which the wave runs in a 3D scene; any length
+    """
+
+    direction: Level = Field(default=None, kw_only=True,
+                             description="horizontal direction (x, y, 0) in a 3D scene, None for that of x")
+
+    if TYPE_CHECKING:    # fields of each subclass
+        @property
+        def depth(self) -> float: ...
+        @property
+        def g(self) -> float: ...
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        cls.model_fields["direction"] = cls.model_fields.pop("direction")    # after those that may be given by position
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out a direction that is not given: releases before 3D do not know it."""
+        return {name: value for name, value in handler(self).items() if name != "direction" or value is not None}
+
+    @property
+    def varies_across(self) -> bool:
+        """Whether the wave is not the same all across a 3D scene."""
+        return self.direction is not None and self.direction[1] != 0.0
+
+    @property
+    def way(self) -> tuple[float, float]:
+        """The unit vector (x, y) of its direction."""
+        if self.direction is None:
+            return 1.0, 0.0
+        size = float(np.hypot(*self.direction[:2]))
+        return self.direction[0] / size, self.direction[1] / size
+
+    def along(self, x: ArrayLike, y: ArrayLike | None = None) -> Floats:
+        """Return the distance [m] along the wave of places x, in 3D x and y [m], from the origin of the scene."""
+        if y is None or self.direction is None:
+            return np.asarray(x, dtype=float)
+        found: Floats = self.way[0] * np.asarray(x, dtype=float) + self.way[1] * np.asarray(y, dtype=float)
+        return found
+
+    def surface(self, x: ArrayLike, y: ArrayLike | None, t: ArrayLike) -> Floats:
+        """Return the elevation [m] at x, in 3D x and y [m] (None in 2D), and t [s], which broadcast."""
+        return self.elevation(self.along(x, y), t)
+
+    def flow(self, x: Floats, bed: float, t: float) -> Floats:
+        """Return the velocity (n, dim) [m/s] at places x (n, dim) [m] above a bed at a height [m], at t [s]."""
+        across = None if x.shape[1] == 2 else x[:, 1]
+        u, v = self.velocity(self.along(x[:, 0], across), x[:, -1] - bed, t)
+        return np.stack([u, v] if across is None else [self.way[0] * u, self.way[1] * u, v], axis=1)
 
     @abstractmethod
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
@@ -76,12 +137,6 @@ class Travelling(WaveField):
         return ahead
 
 
-def wave_velocity(wave: WaveField, x: Floats, bed: float, t: float) -> Floats:
-    """Return the velocity (n, dim) [m/s] of a wave at places x (n, dim) [m] above a bed at a height [m], at t [s]."""
-    u, v = wave.velocity(x[:, 0], x[:, -1] - bed, t)
-    return np.stack([u, v] if x.shape[1] == 2 else [u, np.zeros_like(u), v], axis=1)
-
-
 def no_higher(height: float, most: float, where: str, remedy: str) -> None:
     """Raise ValueError if the height of a wave exceeds `most` [m]; where : meaning of `most`."""
     if not height <= most:
@@ -99,3 +154,25 @@ def steepest(depth: float, length: float) -> float:
         * (0.141063 * ratio + 0.0095721 * ratio**2 + 0.0077829 * ratio**3)
         / (1.0 + 0.0788340 * ratio + 0.0317567 * ratio**2 + 0.0093407 * ratio**3)
     )
+
+
+class InSection(WaveField):
+    """The part in a section of a 3D scene, the plane at y [m], of a wave that is not the same all across."""
+
+    of: WaveField
+    y: float
+
+    @property
+    def depth(self) -> float:
+        return self.of.depth
+
+    @property
+    def g(self) -> float:
+        return self.of.g
+
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
+        return self.of.surface(x, self.y, t)
+
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
+        u, v = self.of.velocity(self.of.along(x, self.y), y, t)
+        return self.of.way[0] * u, v
