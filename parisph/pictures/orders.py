@@ -123,7 +123,8 @@ def _plot_flow(run: Run, time: float | None, peak: str | None, out: AnyPath | No
         which = float(time)
     if out is None:
         shown = which["time"] if isinstance(which, Mapping) else run.times[run.number(which)]
-        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s.png"
+        plane = f"_{look['slice'].replace(' ', '')}" if "slice" in look else ""
+        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s{plane}.png"
     view.plot_field(run, which, path=out, **look)
     return Path(out)
 

@@ -22,6 +22,7 @@ from parisph.io.views import Snapshot
 from parisph.pictures import style, window
 from parisph.pictures.bodies_view import draw_bodies, draw_marks
 from parisph.pictures.frames import TANK, PictureFrame
+from parisph.pictures.slices import Slice, parsed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,13 +38,14 @@ ABOVE = 1.5    # drawing order of particles: above solids, so that a particle in
 class Look:
     """The content and style of pictures of the flow.
 
-    field : "pressure", "speed", "velocity_x", "velocity_y", "vorticity", "density_ratio" or "role"
+    field : "pressure", "speed", "velocity_x", "velocity_y", in 3D "velocity_z", "vorticity", "density_ratio" or "role"
     surface : whether particles on the free surface, and ballistic ones, are marked with rings
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
     limits : (lowest, highest) of the colours, in the unit of the picture; None to fit the values
     colours : name of a matplotlib colour map, None for that of the quantity
     zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
     frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
+    slice : of a 3D flow, the plane that is shown, such as "y=0.47"; None for the middle of the breadth
 
     Raises CaseError: unknown quantity or colour map; limits or zoom not in order, or not possible for the field
     """
@@ -55,6 +57,7 @@ class Look:
     colours: str | None = None
     zoom: tuple[float, float, float, float] | None = None
     frame: str = TANK
+    slice: str | None = None
 
     def __post_init__(self) -> None:
         style.quantity(self.field)
@@ -67,6 +70,8 @@ class Look:
         if self.zoom is not None:
             _check_order("--zoom, along x", *self.zoom[:2])
             _check_order("--zoom, up", *self.zoom[2:])
+        if self.slice is not None:
+            parsed(self.slice)
         style.check_colours(self.colours)
 
 
@@ -107,18 +112,25 @@ def spread(run: Run, count: int) -> list[Snapshot]:
 
 
 class FieldView:
-    """Draws snapshots of one run, with common scales, walls, colours and window."""
+    """Draws snapshots of one run, with common scales, walls, colours and window; of a 3D flow a slice."""
 
     def __init__(self, scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
-        if snapshots[0]["x"].shape[1] != 2:
-            raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
-        self.scene, self.look = scene, look
+        self.look = look
         self.quantity, self.own = style.quantity(look.field), style.scene_units(scene)
+        self.slice = Slice.through(scene, look.frame, look.slice) if scene.dim == 3 else None
+        if self.slice is None and look.slice is not None:
+            raise CaseError(f"--slice {look.slice}: the flow is 2D, and shown as a whole; leave it out")
+        if self.slice is None and look.field == "velocity_z":
+            raise CaseError("velocity_z exists in 3D only: velocity_y is the velocity upwards here")
+        # The 2D scene whose walls are drawn as outlines; None of a slice without.
+        self.scene = scene if self.slice is None else self.slice.section
+        self.whole, self.lidded, self.up = scene, scene.lidded, "y" if self.slice is None else "z"
+        self.names = ("x", "y") if self.slice is None else self.slice.names
         if look.normalise and self.own.time is None:
             raise CaseError("without constant gravity there is no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = scene.numerics.spacing / self.length
-        self.seen = PictureFrame.of(scene, look.frame)
+        self.seen = PictureFrame.of(scene, look.frame) if self.slice is None else self.slice
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # vertical scale over the horizontal one
 
@@ -134,6 +146,7 @@ class FieldView:
 
         limits : (lowest, highest) of the colours; label : whether the title names the case; note : further text in it
         """
+        pieces = self.slice.walls(snapshot) if self.slice is not None else np.empty((0, 2, 2))
         snapshot = self.seen.snapshot(snapshot)
         x, values = snapshot["x"] / self.length, self.values(snapshot)
         fluid = snapshot["kind"] == FLUID
@@ -141,7 +154,7 @@ class FieldView:
         layers = [(style.discs(axes, x[rows], size * self.spacing), values[rows])
                   for rows, size in ((ground, GROUND), (fluid, DISC))]
         # The ground is cut at the walls, but not particles: one that crosses a wall is visible.
-        self._draw_walls(axes, layers[0][0], snapshot["time"])
+        self._draw_walls(axes, layers[0][0], snapshot["time"], pieces)
         layers[1][0].set_zorder(ABOVE)
         roles = self.quantity.needs == "role"
         for discs, colour in layers:
@@ -160,7 +173,8 @@ class FieldView:
 
     def mark(self, axes: "Axes", time: float, probes: bool = True) -> None:
         """Draw still level, zones and probes into axes."""
-        draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
+        if self.scene is not None and self.scene.fluids:
+            draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
     def values(self, snapshot: Mapping[str, Any]) -> Floats:
         """Return the quantity in the unit of the picture, (n,). Raises StoreError if it was not written."""
@@ -237,8 +251,8 @@ class FieldView:
 
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: the zoom, else those of walls and fluid."""
-        box, spacing = domain(self.scene) if self.scene.wall_bounds is not None else None, self.scene.numerics.spacing
-        fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
+        box, spacing = self._box(), self.spacing * self.length
+        fluid = [self._fluid(snapshot) for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
         times = np.array([snapshot["time"] for snapshot in snapshots])
         walls = [] if box is None else self.seen.course(self._walls_shown(box, fluid), times)
@@ -247,18 +261,31 @@ class FieldView:
             return ends
         left, right, bottom, top = self.look.zoom
         if left >= ends[0][1] or right <= ends[0][0] or bottom >= ends[1][1] or top <= ends[1][0]:
+            reach = " and from ".join(f"{name} = {end[0]:.4g} to {end[1]:.4g}" for name, end in zip(self.names, ends))
             raise CaseError(f"--zoom {left:g} {right:g} {bottom:g} {top:g}: nothing is there; the scene reaches from "
-                            f"x = {ends[0][0]:.4g} to {ends[0][1]:.4g} and from y = {ends[1][0]:.4g} to "
-                            f"{ends[1][1]:.4g}")
+                            f"{reach}")
         return (left, right), (bottom, top)
+
+    def _box(self) -> window.Box | None:
+        """Return the corners (2,) [m] of a box around the walls, None without walls."""
+        if self.whole.wall_bounds is None:
+            return None
+        return domain(self.whole) if self.slice is None else self.slice.box()
+
+    def _fluid(self, snapshot: Mapping[str, Any]) -> Floats:
+        """Return the places (n, 2) [m] of the fluid in the frame of the tank."""
+        if self.slice is not None:
+            snapshot = self.slice.near(snapshot)
+        x: Floats = snapshot["x"][snapshot["kind"] == FLUID]
+        return x if self.slice is None else self.slice.flat(x)
 
     def _walls_shown(self, box: window.Box, fluid: Sequence[Floats]) -> Floats:
         """Return the corners (4, 2) [m] around the walls, without the empty top of a tank without a lid."""
         (left, low), (right, top) = box
         high = max((x[:, 1].max() for x in fluid if len(x)), default=top)
-        if not self.scene.lidded and high <= low + 0.7 * (top - low):
+        if not self.lidded and self.names[1] == self.up and high <= low + 0.7 * (top - low):
             top = min(top, low + 1.2 * (high - low))
-        return np.array([(left, low), (right, low), (right, top), (left, top)])
+        return window.corners((np.array([left, low]), np.array([right, top])))
 
     def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
         """Return the wet wall particles, (n,) bool, which have a pressure and fill the gap of s/2 to the wall."""
@@ -272,16 +299,26 @@ class FieldView:
         axes.legend(handles=[Patch(facecolor=colour, label=name) for name, colour in present],
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
-    def _draw_walls(self, axes: "Axes", cut: "EllipseCollection", time: float) -> None:
-        """Draw the walls at a time [s]; clip the discs `cut` to the inside of a tank or the space above a bed."""
+    def _draw_walls(self, axes: "Axes", cut: "EllipseCollection", time: float, pieces: Floats) -> None:
+        """Draw the walls at a time [s]; clip the discs `cut` to the inside of a tank or the space above a bed.
+
+        pieces : (k, 2, 2) [m], of walls in a slice that have no outline
+        """
+        from matplotlib.collections import LineCollection
         from matplotlib.patches import Polygon
 
         (left, right), (low, high) = self.window
         far = (right - left + high - low) * self.length
         floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes for any place of the tank
-        draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
-        around = [_room(wall, time, far) for wall in standing(self.scene)
-                  if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+        if self.scene is not None:
+            draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
+            around = [_room(wall, time, far) for wall in standing(self.scene)
+                      if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+        else:
+            around = [window.corners(box)] if (box := self._box()) is not None else []
+        if len(pieces):
+            axes.add_collection(LineCollection(pieces / self.length, colors=style.WALL_COLOUR, linewidths=2.0, zorder=3,
+                                               capstyle="round"))
         if len(around) == 1:    # other walls are filled, and hide the discs inside
             cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
@@ -305,11 +342,12 @@ class FieldView:
         axes.set_xlim(self.window[0])
         axes.set_ylim(self.window[1])
         axes.set_aspect(self.stretch)
-        axes.set_xlabel("$x/H$" if self.look.normalise else "$x$ [m]")
-        axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
+        across, up = (f"${name}/H$" if self.look.normalise else f"${name}$ [m]" for name in self.names)
+        axes.set(xlabel=across, ylabel=up)
         axes.tick_params(direction="in", top=True, right=True)
-        more = ",   ".join(filter(None, [self.seen.note(time), window.said(self.stretch), *notes]))
-        title = [*([style.literal(self.scene.title)] if label else []), style.time_label(time, self.own),
+        where = self.slice.said if self.slice is not None else ""
+        more = ",   ".join(filter(None, [where, self.seen.note(time), window.said(self.stretch), *notes]))
+        title = [*([style.literal(self.whole.title)] if label else []), style.time_label(time, self.own),
                  *([more] if more else [])]
         axes.set_title("\n".join(title), loc="left", fontsize=11 if label else 9)
         down = self.seen.down(time)
