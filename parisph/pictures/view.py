@@ -273,9 +273,7 @@ class FieldView:
         return domain(self.whole) if self.slice is None else self.slice.box()
 
     def _fluid(self, snapshot: Mapping[str, Any]) -> Floats:
-        """Return the places (n, 2) [m] of the fluid in the frame of the tank."""
-        if self.slice is not None:
-            snapshot = self.slice.near(snapshot)
+        """Return the places (n, 2) [m] of all fluid in the frame of the tank, so that all slices show the same box."""
         x: Floats = snapshot["x"][snapshot["kind"] == FLUID]
         return x if self.slice is None else self.slice.flat(x)
 
