@@ -9,7 +9,8 @@ from parisph.base.arrays import Array
 from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, states, style
-from parisph.pictures.view import FieldView, Look, spread
+from parisph.pictures.colouring import Look
+from parisph.pictures.view import FieldView, spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

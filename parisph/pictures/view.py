@@ -1,15 +1,13 @@
 """Pictures of the flow of a run. Needs matplotlib, no MPI."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from parisph.base.arrays import Array, Flags, Floats
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError, StoreError
-from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
 from parisph.base.paths import AnyPath
 from parisph.case.bodies import Profile
 from parisph.case.schema import Case
@@ -21,63 +19,18 @@ from parisph.io.reader import Run, open_run
 from parisph.io.views import Snapshot
 from parisph.pictures import style, window
 from parisph.pictures.bodies_view import draw_bodies, draw_marks
-from parisph.pictures.frames import TANK, PictureFrame
-from parisph.pictures.slices import Slice, parsed
+from parisph.pictures.colouring import SOLID, ColouredView, Look
+from parisph.pictures.frames import PictureFrame
+from parisph.pictures.slices import Slice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import Collection, EllipseCollection
-    from matplotlib.figure import Figure, FigureBase
+    from matplotlib.figure import Figure
 
 # Diameters in spacings: of a particle, and of the ground below particles inside, which fills the gaps between discs.
 DISC, GROUND = 1.05, 1.8
 ABOVE = 1.5    # drawing order of particles: above solids, so that a particle in a wall is visible
-
-
-@dataclass(frozen=True)
-class Look:
-    """The content and style of pictures of the flow.
-
-    field : "pressure", "speed", "velocity_x", "velocity_y", in 3D "velocity_z", "vorticity", "density_ratio" or "role"
-    surface : whether particles on the free surface, and ballistic ones, are marked with rings
-    normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
-    limits : (lowest, highest) of the colours, in the unit of the picture; None to fit the values
-    colours : name of a matplotlib colour map, None for that of the quantity
-    zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
-    frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
-    slice : of a 3D flow, the plane that is shown, such as "y=0.47"; None for the middle of the breadth
-
-    Raises CaseError: unknown quantity or colour map; limits or zoom not in order, or not possible for the field
-    """
-
-    field: str = "pressure"
-    surface: bool = False
-    normalise: bool = False
-    limits: tuple[float, float] | None = None
-    colours: str | None = None
-    zoom: tuple[float, float, float, float] | None = None
-    frame: str = TANK
-    slice: str | None = None
-
-    def __post_init__(self) -> None:
-        style.quantity(self.field)
-        if self.field == "role":
-            for name, value in (("limits", self.limits), ("cmap", self.colours)):
-                if value is not None:
-                    raise CaseError(f"--{name} does not apply to the field role, whose colours are fixed: leave it out")
-        if self.limits is not None:
-            _check_order("--limits", *self.limits)
-        if self.zoom is not None:
-            _check_order("--zoom, along x", *self.zoom[:2])
-            _check_order("--zoom, up", *self.zoom[2:])
-        if self.slice is not None:
-            parsed(self.slice)
-        style.check_colours(self.colours)
-
-
-def _check_order(name: str, low: float, high: float) -> None:
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise CaseError(f"{name}: {low:g} to {high:g} is not a range; give two numbers, the lower one first")
 
 
 def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, field: str = "pressure",
@@ -91,17 +44,26 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
         (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords; path : file to write (.png, .pdf, ...), or None
 
-    Raises CaseError : as Look, nothing to normalise by, or a zoom outside the scene
+    Raises CaseError : as Look, nothing to normalise by, or a zoom outside the scene; MissingLibrary
     StoreError : no such snapshot, or the quantity was not written
     """
     run = run if isinstance(run, Run) else open_run(run)
     snapshot = which if isinstance(which, Mapping) else run.snapshot(which)
-    view = FieldView(run.scene, [snapshot], Look(field, **look))
+    view = view_of(run.scene, [snapshot], Look(field, **look))
     picture = style.new_figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
     view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
     style.save(picture, path)
     return picture
+
+
+def view_of(scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> ColouredView:
+    """Return the view of snapshots that a Look asks for. Raises CaseError, StoreError, MissingLibrary."""
+    if look.view != SOLID:
+        return FieldView(scene, snapshots, look)
+    from parisph.pictures.rendered_view import RenderedView
+
+    return RenderedView(scene, snapshots, look)
 
 
 def spread(run: Run, count: int) -> list[Snapshot]:
@@ -111,23 +73,18 @@ def spread(run: Run, count: int) -> list[Snapshot]:
     return [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
 
 
-class FieldView:
+class FieldView(ColouredView):
     """Draws snapshots of one run, with common scales, walls, colours and window; of a 3D flow a slice."""
 
     def __init__(self, scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
-        self.look = look
-        self.quantity, self.own = style.quantity(look.field), style.scene_units(scene)
+        super().__init__(scene, look)
         self.slice = Slice.through(scene, look.frame, look.slice) if scene.dim == 3 else None
         if self.slice is None and look.slice is not None:
             raise CaseError(f"--slice {look.slice}: the flow is 2D, and shown as a whole; leave it out")
-        if self.slice is None and look.field == "velocity_z":
-            raise CaseError("velocity_z exists in 3D only: velocity_y is the velocity upwards here")
         # The 2D scene whose walls are drawn as outlines; None of a slice without.
         self.scene = scene if self.slice is None else self.slice.section
-        self.whole, self.lidded, self.up = scene, scene.lidded, "y" if self.slice is None else "z"
+        self.lidded, self.up = scene.lidded, "y" if self.slice is None else "z"
         self.names = ("x", "y") if self.slice is None else self.slice.names
-        if look.normalise and self.own.time is None:
-            raise CaseError("without constant gravity there is no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = scene.numerics.spacing / self.length
         self.seen = PictureFrame.of(scene, look.frame) if self.slice is None else self.slice
@@ -176,58 +133,6 @@ class FieldView:
         if self.scene is not None and self.scene.fluids:
             draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
-    def values(self, snapshot: Mapping[str, Any]) -> Floats:
-        """Return the quantity in the unit of the picture, (n,). Raises StoreError if it was not written."""
-        needed = self.quantity.needs
-        if needed not in snapshot:
-            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
-                             "Output.fields)")
-        values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
-        return values * self._scale[0]
-
-    def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
-        """Return the (lowest, highest) of the colours for all snapshots, None for roles.
-
-        They are the user's, else those of most values, without a short impact or single spikes.
-
-        whole : whether they reach the greatest value
-        """
-        if self.quantity.needs == "role":
-            return None
-        if self.look.limits is not None:
-            low, high = self.look.limits
-            return low, high
-        values = np.sort(self._shown_values(snapshots))
-        if len(values) < 3:
-            return 0.0, 1.0
-        spikes = min(-(-len(values) // 200), (len(values) - 1) // 2)  # at either end, one at least
-        low, high = values[spikes], values[-1 if whole else -1 - spikes]
-        centre = self.quantity.centre
-        if centre is not None:
-            reach = max(abs((values[0] if whole else low) - centre), abs(high - centre)) or 1.0
-            return centre - reach, centre + reach
-        if low > -0.05 * high:  # positive except for noise: start at zero
-            low = 0.0
-        return (low, high) if high > low else (low, low + 1.0)
-
-    def add_colour_bar(self, picture: "FigureBase", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
-                       snapshots: Sequence[Mapping[str, Any]]) -> None:
-        """Add the colour bar of `discs`, with pointed ends if values exceed it; nothing for roles.
-
-        axes : one, whose height the bar has, or a list
-        """
-        if discs is None:
-            return
-        values = self._shown_values(snapshots)
-        beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-        low, high = discs.get_clim()
-        extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
-        beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, Sequence)
-                  else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
-        bar = picture.colorbar(discs, extend=extend, **beside)
-        bar.set_label(self._scale[1])
-        bar.ax.spines["outline"].set_linewidth(0.5)
-
     def _shown_values(self, snapshots: Sequence[Mapping[str, Any]]) -> Floats:
         """Return the finite values (n,) inside the window, of fluid and of walls with a pressure."""
         found = []
@@ -238,16 +143,6 @@ class FieldView:
             shown = (snapshot["kind"] == FLUID) | self._walls_to_fill(snapshot)
             found.append(values[shown & inside & np.isfinite(values)])
         return np.concatenate(found)
-
-    @cached_property
-    def _scale(self) -> tuple[float, str]:
-        """Factor of values in the unit of the picture, and label of the colour bar."""
-        scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
-        if self.look.normalise and scale:
-            by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
-            return 1.0 / float(scale), rf"{self.quantity.symbol}$\,/\,{by}$"
-        factor, unit = style.with_prefix(scale or 0.0, self.quantity.unit)
-        return factor, f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: the zoom, else those of walls and fluid."""
@@ -284,11 +179,6 @@ class FieldView:
         if not self.lidded and self.names[1] == self.up and high <= low + 0.7 * (top - low):
             top = min(top, low + 1.2 * (high - low))
         return window.corners((np.array([left, low]), np.array([right, top])))
-
-    def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
-        """Return the wet wall particles, (n,) bool, which have a pressure and fill the gap of s/2 to the wall."""
-        wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
-        return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
     def _name_roles(self, axes: "Axes", roles: Array) -> None:
         from matplotlib.patches import Patch
