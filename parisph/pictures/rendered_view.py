@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
 FROM = (35.0, 22.0)    # [degrees] azimuth, to the side on which the fluid starts, and elevation
-GLASS = (0.06, 0.3)    # opacity of walls between the eye and the water, and of those behind it
+GLASS = (0.1, 0.6)    # opacity of walls between the eye and the water, and of those behind it
 CLEAR = 0.75    # opacity of water with bodies in it
 DROP, BALL = 0.35, 0.5    # radii in spacings, of particles alone, and of all without a surface
 PRESSURE = "pressure on bodies"
@@ -66,7 +66,7 @@ class RenderedView(ColouredView):
         from matplotlib.colors import Normalize
 
         ends = limits or (0.0, 1.0)
-        axes.imshow(image([*self._walls(snapshot), *self._water(snapshot, ends)], self.eye))
+        axes.imshow(image([*self._walls(snapshot, ends), *self._water(snapshot, ends)], self.eye))
         axes.set_axis_off()
         more = ",   ".join(filter(None, [self.seen.note(snapshot["time"]), note]))
         title = [*([style.literal(self.whole.title)] if label else []),
@@ -147,8 +147,7 @@ class RenderedView(ColouredView):
         fluid, wet = snapshot["kind"] == FLUID, (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         drops = fluid & (snapshot["role"] == BALLISTIC)
         look: dict[str, Any] = {"limits": limits, "colours": self._colours}
-        low, high = (self.lower, self.upper) if self.mesh is not None else (-np.inf, np.inf)
-        made = water.surface(x[(fluid & ~drops) | wet], s, low, high)
+        made = water.surface(x[(fluid & ~drops) | wet], s, None if self.mesh is None else (self.lower, self.upper))
         if made is None:
             yield Piece(self.seen.placed(x[fluid], time), None, values[fluid], radius=BALL * s, **look)
             return
@@ -157,26 +156,26 @@ class RenderedView(ColouredView):
                     opacity=self._clear, **look)
         yield Piece(self.seen.placed(x[drops], time), None, values[drops], radius=DROP * s, **look)
 
-    def _walls(self, snapshot: Mapping[str, Any]) -> Iterator[Piece]:
+    def _walls(self, snapshot: Mapping[str, Any], limits: tuple[float, float]) -> Iterator[Piece]:
         """Yield the container, as glass with its edges, and the bodies with their pressure."""
         rows = snapshot["kind"] == WALL
         if self.mesh is None or np.count_nonzero(rows) != len(self.mesh.x0):
             return
         nodes = self.seen.placed(snapshot["x"][rows], snapshot["time"])    # ids follow the nodes of the mesh
         glass = self.around[self.mesh.element_body]
-        yield from self._glass(nodes, self.mesh, glass)
+        yield from self._glass(nodes, self.mesh, glass, snapshot["role"][rows] == WET)
         bodies = self.mesh.elements[~glass].astype(np.int64)
-        if "p" not in snapshot or self.quantity.needs not in ("p",) and self.load is None:
+        if "p" not in snapshot or (self.load is None and self.quantity.needs != "p"):
             yield Piece(nodes, bodies, colour=BODY)
         elif self.quantity.needs == "p":
-            yield Piece(nodes, bodies, self.values(snapshot)[rows], self.limits([snapshot]) or (0.0, 1.0),
-                        self._colours)
+            yield Piece(nodes, bodies, self.values(snapshot)[rows], limits, self._colours)
         else:
             yield Piece(nodes, bodies, self._pressure[0] * snapshot["p"][rows], self.load or (0.0, 1.0), "viridis")
 
-    def _glass(self, nodes: Floats, mesh: WallMesh, glass: Flags) -> Iterator[Piece]:
-        corners = nodes[mesh.elements]
+    def _glass(self, nodes: Floats, mesh: WallMesh, glass: Flags, wet: Flags) -> Iterator[Piece]:
+        """Yield the dry part of walls, as the water lies on the wet part, and their sharp edges."""
+        corners, dry = nodes[mesh.elements], glass & ~wet[mesh.elements].all(axis=1)
         towards = np.sum((self.eye.place - corners.mean(axis=1)) * unit_normals(corners), axis=1) > 0.0
-        for part, opacity in zip((glass & ~towards, glass & towards), GLASS):
+        for part, opacity in zip((dry & ~towards, dry & towards), GLASS):
             yield Piece(nodes, mesh.elements[part].astype(np.int64), colour=BODY, opacity=opacity, lit=False)
         yield Piece(nodes, mesh.elements[glass].astype(np.int64), colour=style.WALL_COLOUR, lines=True)

@@ -24,7 +24,7 @@ class Piece:
 
     points : (n, 3) [m]; triangles : (m, 3), or None for spheres of `radius` [m] at the points
     values : (n,) with `limits` and a colour map `colours`, or None for the colour `colour`
-    smooth : whether edges are rounded by shading, but sharp ones; lit : whether there is shading; lines : triangles are drawn as their sharp edges
+    smooth : of a closed surface: edges are rounded by shading, but sharp ones; lit : whether there is shading; lines : triangles are drawn as their sharp edges
     """
 
     points: Floats
@@ -108,7 +108,7 @@ def _add(plotter: Any, piece: Piece) -> None:
     if piece.values is not None:
         mesh.point_data["values"] = piece.values
         how = {"scalars": "values", "clim": piece.limits, "cmap": piece.colours, "show_scalar_bar": False}
-    how |= {"opacity": piece.opacity, "lighting": piece.lit, "ambient": AMBIENT}
+    how |= {"opacity": piece.opacity, "lighting": piece.lit, **({"ambient": AMBIENT} if piece.lit else {})}
     if piece.lines:
         mesh = mesh.clean().extract_feature_edges(SHARP, non_manifold_edges=False, manifold_edges=False)
         how["line_width"] = 2.5
@@ -117,6 +117,6 @@ def _add(plotter: Any, piece: Piece) -> None:
         mesh = mesh.glyph(geom=ball, scale=False, orient=False)
         how["smooth_shading"] = True
     elif piece.smooth:
-        how |= {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": SHARP, "specular": 0.25,
-                "specular_power": 20.0}
+        how |= {"culling": "back", "smooth_shading": True, "split_sharp_edges": True, "feature_angle": SHARP,
+                "specular": 0.25, "specular_power": 20.0}
     plotter.add_mesh(mesh, **how)

@@ -36,7 +36,7 @@ def parsed(text: str) -> tuple[int, float]:
 
 @dataclass(frozen=True)
 class Slice(PictureFrame):
-    """A plane across an axis of a 3D scene, in the frame of its tank, as the frame of a picture: its points have (n, 2).
+    """A plane across an axis of a 3D scene, in the frame of its tank, as the frame of a picture of points (n, 2).
 
     scene : the 3D case; room : frame of its points (n, 3); axis : 0, 1 or 2; place : [m]
     """

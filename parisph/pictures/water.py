@@ -26,10 +26,10 @@ def library() -> ModuleType | None:
         return None
 
 
-def surface(x: Floats, spacing: float, lower: Floats, upper: Floats) -> tuple[Floats, Ints] | None:
+def surface(x: Floats, spacing: float, box: tuple[Floats, Floats] | None) -> tuple[Floats, Ints] | None:
     """Return points (n, 3) [m] and triangles (m, 3) around particles, None without the library.
 
-    x : (k, 3) [m], of fluid and of wet walls; spacing [m]; lower, upper : (3,) [m], ends of the surface
+    x : (k, 3) [m], of fluid and of wet walls; spacing [m]; box : lower and upper ends (3,) [m] of the surface, or None
     """
     found = library()
     if found is None:
@@ -40,7 +40,8 @@ def surface(x: Floats, spacing: float, lower: Floats, upper: Floats) -> tuple[Fl
         np.ascontiguousarray(x, dtype=float), particle_radius=0.5 * spacing, smoothing_length=SMOOTH, cube_size=CUBE,
         iso_surface_threshold=LEVEL, mesh_cleanup=True, mesh_smoothing_iters=TURNS)
     mesh = made.mesh
-    return np.clip(np.asarray(mesh.vertices, float), lower, upper), np.asarray(mesh.triangles).astype(np.int64)
+    points = np.asarray(mesh.vertices, float)
+    return points if box is None else np.clip(points, *box), np.asarray(mesh.triangles).astype(np.int64)
 
 
 def spread(points: Floats, x: Floats, values: Floats) -> Floats:

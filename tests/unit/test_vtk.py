@@ -105,7 +105,8 @@ def test_vtk_reads_points_cells_arrays_and_time(tmp_path, python, dim):
 def test_vtk_reads_the_triangles_of_walls(tmp_path, python):
     particles = OwnedRows([23], 0, 3)
     ids = np.array([(19, 20, 21), (21, 20, 22)])
-    snapshot.write(MPI.COMM_SELF, tmp_path / "a.vtkhdf", particles, 0.25, 7, ("p",), {}, WallCells(ids, np.array([0, 2])))
+    walls = WallCells(ids, np.array([0, 2]))
+    snapshot.write(MPI.COMM_SELF, tmp_path / "a.vtkhdf", particles, 0.25, 7, ("p",), {}, walls)
     found = result(python, READ, tmp_path / "a.vtkhdf")
     assert [kind for kind, _, _ in found["cells"]] == [1] * 23 + [5, 5]    # types vertex and triangle
     assert found["body"] == [[-1]] * 23 + [[0], [2]]
