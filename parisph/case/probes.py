@@ -25,7 +25,7 @@ from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
 from parisph.base import vocabulary
 from parisph.base.arrays import Flags, Floats
-from parisph.base.probe_rows import WIDTH
+from parisph.base.probe_rows import WIDTH as WIDTH
 from parisph.base.text import shown
 from parisph.case.model import Model, Several
 from parisph.case.profiles import Profiles

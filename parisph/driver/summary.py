@@ -172,7 +172,8 @@ class Account:
             "shares": self._balance.content(s, comm) if self._balance else None,
             **({"volume_drift": None, "energy_drift": None, "driven": s.case.driven} if self.diagnostics is None
                else self.diagnostics.conservation.content()),
-            "left": vars(s.left), "touched": self._gaps, "divergence": self.divergence,
+            "left": vars(s.left) | ({"unit": "m3"} if s.case.dim == 3 else {}), "touched": self._gaps,
+            "divergence": self.divergence,
             "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
             "petsc_options": store.about["petsc_options"],

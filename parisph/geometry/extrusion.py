@@ -8,7 +8,6 @@ where they have the same wall.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -36,6 +35,7 @@ from parisph.geometry.mesh import (
 from parisph.geometry.planes import PlaneNodes, Rim, Side, lifted, plane_nodes
 from parisph.geometry.polygons import CLOSE, Chain, joined
 from parisph.geometry.raised import highest
+from parisph.geometry.scene_cache import cached
 from parisph.geometry.solid import Wall, solid_of
 from parisph.geometry.spans import Span, container, scene_walls, spans
 from parisph.geometry.triangles import corner_parts
@@ -68,7 +68,7 @@ def _in_front(section: WallMesh, spacing: float) -> Callable[[Floats], Flags]:
     return fluid
 
 
-@lru_cache(maxsize=2)
+@cached(2)
 def extruded(case: Scene) -> WallMesh:
     """Return the mesh of a 3D scene with walls. Cached: callers must not change the arrays. Raises CaseError."""
     walls = scene_walls(case)

@@ -6,7 +6,6 @@ between these planes has planes of its own, with points on its ends, like a Box 
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from parisph.geometry.planes import lifted
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import lowered, raised
+from parisph.geometry.scene_cache import cached
 from parisph.geometry.solid import Wall, in_fluid
 from parisph.geometry.spans import divided, spans
 from parisph.geometry.standing import standing
@@ -217,7 +217,7 @@ def _held(fills: set["LayeredFilling"], x: Floats) -> Flags:
     return found
 
 
-@lru_cache(maxsize=4)
+@cached(4)
 def layered(case: Scene) -> tuple[LayeredFilling, ...]:
     """Return the LayeredFilling of each body of fluid of a 3D scene. Cached."""
     return tuple(LayeredFilling(case, number) for number in range(len(case.fluids)))

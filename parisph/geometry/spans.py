@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import count
 
 import numpy as np
@@ -12,6 +11,7 @@ from parisph.case.bodies import Profile
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.sections import cuts, section
+from parisph.geometry.scene_cache import cached
 from parisph.geometry.solid import Wall
 from parisph.geometry.standing import standing
 from parisph.geometry.tips import Filled
@@ -33,7 +33,7 @@ class Span:
     layers: Floats
 
 
-@lru_cache(maxsize=4)
+@cached(4)
 def spans(case: Scene) -> tuple[Span, ...]:
     """Return the parts of a 3D scene with walls, in order. Cached. Raises CaseError."""
     ends, known, found = cuts(case).tolist(), list(scene_walls(case)), []
@@ -54,7 +54,7 @@ def divided(low: float, high: float, spacing: float) -> Floats:
     return found
 
 
-@lru_cache(maxsize=4)
+@cached(4)
 def scene_walls(case: Scene) -> tuple[Wall, ...]:
     """Return the walls of a case, each once; in 3D as in the first section that has them, in the order of the case.
 

@@ -76,4 +76,5 @@ class UpperFaces:
         found = np.sort(self.crossings(at[None])[1])
         if not len(found):
             return np.array([self.lowest])
-        return found[np.concatenate([[True], np.diff(found) > self._same])]
+        once: Floats = found[np.concatenate([[True], np.diff(found) > self._same])]
+        return once

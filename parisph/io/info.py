@@ -99,7 +99,7 @@ def _entries(summary: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     if left.get("particles"):
         once = left["particles"] + (get("fluid_particles") or 0)
         yield "left the tank", (f"{left['particles']:,d} of {once:,d} particles over the rim, "
-                                f"{left['volume']:.4g} m2 of water")
+                                f"{left['volume']:.4g} {left.get('unit', 'm2')} of water")
     for probe, words in (get("touched") or {}).items():
         yield f"probe {probe}", str(words)
     unknown = get("volume_unknown")
@@ -157,10 +157,11 @@ def _short(found: Mapping[str, Any], unit: str) -> str:
 
 def _passed(found: Mapping[str, Any]) -> str:
     """Return the volume that has passed a line, and its events."""
-    text, events = f"{found['total']:.4g} m2 of water", found.get("events")
+    unit, events = found.get("unit", "m2"), found.get("events")
+    text = f"{found['total']:.4g} {unit} of water"
     if events:
         most = max(events, key=lambda event: abs(event["volume"]))
-        text += (f" in {len(events)} event{'s' * (len(events) > 1)}, the largest {most['volume']:.4g} m2 from "
+        text += (f" in {len(events)} event{'s' * (len(events) > 1)}, the largest {most['volume']:.4g} {unit} from "
                  f"{most['start']:.4g} to {most['end']:.4g} s")
     return text
 

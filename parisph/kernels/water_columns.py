@@ -11,7 +11,7 @@ from parisph.kernels.jit import inlined, kernel
 
 
 class Column(NamedTuple):
-    """Place of a gauge `at` (dim - 1,): within `half` of it, and surface particles within `beside` (negative: none) [m].
+    """Place `at` (dim - 1,) of a gauge: within `half`, and surface particles within `beside` (negative: none) [m].
 
     In 3D it is round: its corners would be the highest places of a square under a slope.
 

@@ -74,12 +74,13 @@ class SurfaceLoad:
             values = _extrapolated(number[faces.one[pair]], faces.offset[pair], faces.weight[pair],
                                    there[faces.other[pair]], int(missing.sum()))
             found[missing] = np.where(self._rim[missing], np.maximum(values, 0.0), values)
-        return found[faces.of]
+        at_corners: Floats = found[faces.of]
+        return at_corners
 
 
 def _faces(x: Floats, elements: Ints) -> _Faces:
     """Return the faces at the nodes of elements (M, 3) of a mesh with nodes x (N, 3) [m]."""
-    from scipy.spatial import cKDTree    # as geometry.triangles, only with walls in 3D
+    from scipy.spatial import cKDTree  # as geometry.triangles, only with walls in 3D
 
     normal = unit_normals(x[elements])
     keys = np.column_stack([elements.ravel(), np.repeat(np.rint(FINE * normal).astype(np.int64), 3, axis=0)])
@@ -98,8 +99,9 @@ def _faces(x: Floats, elements: Ints) -> _Faces:
 
 def _along(normal: Floats) -> Floats:
     """Return a unit vector (n, 3) across each unit vector (n, 3)."""
-    found = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
-    return found / np.linalg.norm(found, axis=1)[:, None]
+    found: Floats = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
+    found /= np.linalg.norm(found, axis=1)[:, None]
+    return found
 
 
 def _extrapolated(own: Ints, offset: Floats, weight: Floats, p: Floats, many: int) -> Floats:
@@ -111,14 +113,16 @@ def _extrapolated(own: Ints, offset: Floats, weight: Floats, p: Floats, many: in
     beside = usable & (away <= nearest[own] + TIE)
     wet_beside = np.bincount(own[beside & np.isfinite(p)], minlength=many) > 0
     use = np.isfinite(p) & (weight > 0.0) & wet_beside[own]
-    own, offset, weight, p = own[use], offset[use], weight[use], p[use]
+    own, offset, weight = own[use], offset[use], weight[use]
+    pressure: Floats = p[use]
+    total = np.maximum(np.bincount(own, weight, many), np.finfo(float).tiny)
 
     def mean(values: Floats) -> Floats:
-        return np.bincount(own, weight * values, many) / total
+        found: Floats = np.bincount(own, weight * values, many) / total
+        return found
 
-    total = np.maximum(np.bincount(own, weight, many), np.finfo(float).tiny)
-    level, centre = mean(p), np.stack([mean(offset[:, 0]), mean(offset[:, 1])], axis=1)
-    off, rise = offset - centre[own], p - level[own]
+    level, centre = mean(pressure), np.stack([mean(offset[:, 0]), mean(offset[:, 1])], axis=1)
+    off, rise = offset - centre[own], pressure - level[own]
     moments = np.stack([[mean(off[:, a] * off[:, b]) for b in (0, 1)] for a in (0, 1)]).transpose(2, 0, 1)
     right = np.stack([mean(off[:, 0] * rise), mean(off[:, 1] * rise)], axis=1)
     slope = np.linalg.pinv(moments, rcond=LEVEL, hermitian=True) @ right[:, :, None]

@@ -49,6 +49,7 @@ def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure"
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
     what = probe.quantity or curves.UNITS.get(unit, str(getattr(probe, "kind")).replace("_", " "))
+    what = curves.in_scene(what, run.scene.dim)
     axes.set_ylabel(f"{what} [{style.written(shown) or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)

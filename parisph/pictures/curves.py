@@ -27,7 +27,9 @@ Samples = tuple[Floats, Floats]    # times [s] and values, (n,) each
 
 # Labels by the unit, for kinds of probes without a label (case.probes.Probe.quantity).
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
-         "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume"}
+         "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume", "J": "energy", "N": "force", "N m": "moment",
+         "m^3/s": "volume rate", "m^3": "volume"}
+IN_3D = {"$y$": "$z$", "s^2$": "s^3$"}    # in labels: heights, and the volume of a particle
 TALL = 4        # most panels in one column; more have two columns
 SHORT = "short peak"    # the mark of a peak that is not resolved
 BESIDE = 4      # most lines of a legend in the axes; a longer one is beside them
@@ -359,6 +361,13 @@ def marks(samples: int) -> style.LineLook:
     return few if samples < MARKS else {"linestyle": "--"}
 
 
+def in_scene(label: str, dim: int) -> str:
+    """Return a label of a probe in a scene with that many dimensions."""
+    for flat, solid in IN_3D.items() if dim == 3 else ():
+        label = label.replace(flat, solid)
+    return label
+
+
 def _value_label(curves: Sequence[Curve], series: Sequence[tuple[str, str]], unit: str, shown: str,
                  scaled: bool) -> str:
     kinds = {getattr(probe, "kind"): probe for curve in curves for probe in curve.run.scene.probes
@@ -366,6 +375,7 @@ def _value_label(curves: Sequence[Curve], series: Sequence[tuple[str, str]], uni
     what = UNITS.get(unit, "")
     for probe in kinds.values():
         what = (probe.family if len(kinds) > 1 else probe.quantities.get(series[0][1], probe.quantity)) or what
+    what = in_scene(what, curves[0].run.scene.dim)
     if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names only the runs
         what = what if series[0][0] in what else f"{series[0][0]}: {what}"
     if scaled:

@@ -10,13 +10,17 @@ from parisph.truth.recorded import Recorded, probe_records
 
 
 def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
-    """Return {probe name: {"total" [m2], "events": list, None without `pause`}}; in arrays as "lines.over"."""
+    """Return {probe name: {"total" [m2], "events": list, None without `pause`}}; in arrays as "lines.over".
+
+    In 3D volumes are in m3, and there is a "unit".
+    """
     found: dict[str, dict[str, Any]] = {}
     for record in probe_records(case, run, lambda probe: probe.gate(case.dim) is not None):
         total, pause = record.values("total"), record.probe.pause
         if len(total):
             found[record.name] = {"total": float(total[-1]),
-                                "events": None if pause is None else events(record.table["time"], total, pause)}
+                                  "events": None if pause is None else events(record.table["time"], total, pause),
+                                  **({"unit": "m3"} if case.dim == 3 else {})}
     return found
 
 

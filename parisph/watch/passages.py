@@ -48,7 +48,7 @@ class Gate:
         return passed(line, before[:, axes], after[:, axes], volume, across)
 
     def near(self, x: Floats, reach: float) -> tuple[Ints, Floats, Floats]:
-        """Return the points x (n, dim) within `reach` [m] in front of and behind it: numbers, distances [m]; its normal."""
+        """Return the points x (n, dim) [m] within `reach` [m] of it: numbers, distances [m]; and its normal (dim,)."""
         along = np.subtract(self.end, self.start)
         length = float(np.hypot(*along))
         along /= length

@@ -7,12 +7,16 @@ import pytest
 from mpi4py import MPI
 
 from parisph import (
+    Box,
+    Case,
     ColumnHeight,
     Disc,
     Energy,
+    Fluid,
     Flux,
     Force,
     Momentum,
+    Numerics,
     Obstacle,
     PressureTap,
     ProbeArray,
@@ -45,12 +49,22 @@ ALL = [
     RunUp(name="up", points=[(1.0, 0.0), (1.0, 1.0)]), PressureTap(name="disc", at=(0.45, 0.0), diameter=0.3),
     ProbeArray(name="several", probes=[SurfaceGauge(name="a", at=0.3), Force(name="b", side="bed"), Volume(name="c")]),
 ]
+ALL_IN_3D = [
+    *(SurfaceGauge(f"gauge{k}", at=at) for k, at in enumerate(((0.0, 0.0), (0.123, 0.4), (0.5, 0.5), (0.72, 0.31)))),
+    *(PressureTap(f"tap{k}", at=at) for k, at in enumerate(((0.0, 0.21, 0.2), (0.45, 0.0, 0.3), (0.7, 0.33, 0.1)))),
+    WaterFront("front"), WaterFront("front_at", y=0.2), ColumnHeight("corner", at=(1.0, 0.6)),
+    Energy("energy"), Volume("volume"), Momentum("momentum"),
+    VelocityProfile("line", start=(0.1, 0.3, 0.1), end=(0.9, 0.2, 0.3), points=5), RunUp("side", side="left", y=0.3),
+    RunUp("up", points=[(1.0, 0.0), (1.0, 1.0)], y=0.2), Force("tank"), Force("box", on="box", about=(0.3, 0.1, 0.2)),
+    Flux("through", start=(0.4, 0.0), end=(0.5, 1.0)), Flux("beside", start=(0.5, 0.1, 0.0), end=(0.6, 0.4, 0.5)),
+    ProbeArray("several", probes=[SurfaceGauge("a", at=(0.3, 0.2)), Force("b", side="back"), Volume("c")]),
+]
 WAVE = {"spacing": 0.025, "elevation": "0.04*cos(3*pi*x)", "velocity": ("sin(pi*x)", "y"), "jitter": 0.5}
 
 
 def pressed(arrays):
     """Give each particle a pressure that depends on its place."""
-    arrays["p"][:] = DENSITY * G * (0.5 - arrays["x"][:, 1]) * np.cos(3.0 * arrays["x"][:, 0])
+    arrays["p"][:] = DENSITY * G * (0.5 - arrays["x"][:, -1]) * np.cos(3.0 * arrays["x"][:, 0])
 
 
 def stir(p, by):
@@ -81,6 +95,18 @@ def test_ranks_agree_with_each_other_and_with_one(comm, shape):
     assert found["energy"][1] > 0.0 and found["volume"][1] > 10
     # a flat column is as high at its wall as inside, however disordered; the others are not flat
     assert (found["middle"] == found["left"]) == (shape == "column")
+    watch.destroy()
+
+
+def test_ranks_agree_in_3d(comm):
+    case = Case(title="box", fluid=Fluid(Box(1.0, 0.5), DENSITY, elevation="0.04*cos(pi*x)*cos(pi*y/0.6)",
+                                         velocity=("sin(pi*x)", "y", "z")),
+                walls=(Tank(1.0, 1.0, breadth=0.6),
+                       Obstacle(Box(0.2, 0.2, breadth=0.3, at=(0.5, 0.2, 0.0)), name="box")),
+                gravity=(0.0, -G), numerics=Numerics(spacing=0.05, jitter=0.5), probes=ALL_IN_3D, end_time=1.0)
+    watch, alone = Watch(case, comm, pressed), Watch(case, MPI.COMM_SELF, pressed)
+    found = same_as_on_one_rank(comm, watch, alone)
+    assert found["energy"][1] > 0.0 and found["volume"][1] > 10 and abs(found["box"][2]) > 10.0
     watch.destroy()
 
 
@@ -157,6 +183,7 @@ def test_what_exists_in_2d_only_is_refused_on_every_rank(comm, monkeypatch):
     real = ProbeScene.of
     cube = ProbeScene(3, 0.1, np.full(3, 0.1), 1.0, np.zeros(3), np.ones(3), True, np.zeros(3))
     last = comm.rank == comm.size - 1
+    monkeypatch.setattr(Volume, "dims", (2,))
     monkeypatch.setattr(ProbeScene, "of", classmethod(lambda cls, case: cube if last else real(case)))
     with pytest.raises(CaseError, match="'volume': volume exists in 2D only"):
         instruments.build(scene([Volume(name="volume")]), comm)

@@ -29,6 +29,7 @@ COARSE = {
     "solitary_piston": {"spacing": 0.125, "end_time": 0.3},
     "solitary_slope": {"spacing": 0.05, "end_time": 0.2},
     "solitary_wave": {"spacing": 0.2, "end_time": 0.4},
+    "spheric2": {"spacing": 0.11, "end_time": 0.1},
     "standing_wave": {"spacing": 0.1, "end_time": 0.5},
     "submerged_bar": {"spacing": 0.05, "end_time": 0.2},
     "violent_sloshing": {"spacing": 0.02, "end_time": 0.2},

@@ -274,7 +274,7 @@ def across(*ends, at=0.5, name="", **others):
     (lambda: scene((TANK, Piston(0.5, motion=Sway(0.1, 3.0), across=(0.0, 0.6), name="maker")), STILL),
      "walls, maker: a wavemaker has no fluid behind it, and beside this one, from y = 0.6 to 1, fluid would come"),
     (lambda: scene(spacing=2e-6), "of memory; at most 2.1e+09 can be numbered"),
-    (lambda: scene(probes=[SurfaceGauge("g", at=(1.0, 0.5))]), "a SurfaceGauge exists in 2D only so far; leave it out"),
+    (lambda: scene(probes=[SurfaceGauge("g", at=1.0)]), "at = 1: a gauge of a 3D scene stands at (x, y); give both"),
     (lambda: scene(probes=[PressureTap("t", at=(0.0, 0.1))]), "probe 't': at = (0.0, 0.1) must have 3 components"),
     (lambda: scene(probes=[PressureTap("t", at=(0.0, 0.5, 0.1), diameter=0.1)]), "diameter = 0.1: the disc of a sensor "
      "exists in 2D only; give a radius instead"),

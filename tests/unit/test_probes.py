@@ -503,10 +503,7 @@ def test_a_run_that_breaks_down_is_still_sampled(share):
     assert np.isnan(watch.sample()["energy"][2])
 
 
-def test_in_three_dimensions_what_has_no_meaning_is_refused():
-    for probe in (Volume(name="v"), SurfaceGauge(name="g", at=0.0)):
-        with pytest.raises(CaseError, match=f"'{probe.name}': {probe.kind} exists in 2D only.*in 3D"):
-            Sampler(probe, cube())
+def test_energy_and_momentum_in_three_dimensions():
     mid = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.25]])
     p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid,
                         u=np.ones((2, 3)), volume=np.full(2, S**3))

@@ -21,8 +21,8 @@ class Flux(Probe):
     Both are positive for water that passes from the left of the line to its right, as seen from `start` to `end`:
     towards +x, if the line goes upwards. They are per metre of width. The line is fixed in the frame of the scene.
 
-    In 3D it is a rectangle, with rate [m3/s] and total [m3]. Two points (x, z) give a line in the section, which reaches
-    across the whole breadth, or across `across`. Two points (x, y, z) are opposite corners of a vertical rectangle.
+    In 3D it is a rectangle, with rate [m3/s] and total [m3]. Two points (x, z) give a line in the section, which
+    reaches over the whole breadth, or over `across`. Two points (x, y, z) are opposite corners of a vertical rectangle.
     Seen from above, water counts as positive from the left of the way from `start` to `end` to its right: towards +x,
     if y increases.
 
@@ -91,8 +91,8 @@ class Flux(Probe):
                 yield f"across = {self.across}: only a 3D scene has places across; leave it out"
             return
         if len(self.start) != len(self.end):
-            yield (f"start = {self.start} and end = {self.end}: give both as (x, z), for a line of the section, or both "
-                   "as (x, y, z), for a vertical rectangle")
+            yield (f"start = {self.start} and end = {self.end}: give both as (x, z), for a line of the section, or "
+                   "both as (x, y, z), for a vertical rectangle")
         elif len(self.start) == 2:
             low, high = case.breadth or (-np.inf, np.inf)
             if self.start == self.end:

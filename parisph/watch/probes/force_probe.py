@@ -10,8 +10,8 @@ from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.probe_rows import WIDTH
 from parisph.base.text import point
 from parisph.case import probe_checks
-from parisph.case.expressions import uniform_field
 from parisph.case.breadth import lifted, section_of
+from parisph.case.expressions import uniform_field
 from parisph.case.probes import Measure, OfPressure, Point, up
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
@@ -72,7 +72,8 @@ class Force(OfPressure):
 
     def title(self, scene: ProbeScene) -> str:
         what = f"{self.on}{f', {self.side} side' * bool(self.side)}"
-        dynamic = "" if self.still is None else f"; dynamic: less that of water at rest up to {up(scene.dim)} = {self.still:g} m"
+        dynamic = ("" if self.still is None else
+                   f"; dynamic: less that of water at rest up to {up(scene.dim)} = {self.still:g} m")
         return (f"Force of the pressure on {what}, and its moment about {point(self.about)} m, with the hydrostatic "
                 f"part{dynamic}")
 

@@ -7,11 +7,12 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Flags, Floats
+from parisph.base.probe_rows import WIDTH
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import Plate
 from parisph.case.breadth import section_of
-from parisph.case.probes import WIDTH, Measure, OfPressure
+from parisph.case.probes import Measure, OfPressure
 from parisph.case.scene import Scene
 from parisph.geometry.distance import area_vectors, nearest, unit_normals
 from parisph.geometry.mesh import WallMesh

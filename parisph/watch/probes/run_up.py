@@ -13,9 +13,9 @@ from parisph.base.probe_rows import BODY, HEIGHT, WIDTH
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import motion_of
+from parisph.case.breadth import section_of
 from parisph.case.model import Several
 from parisph.case.motion import AtRest, Motion, Rotation
-from parisph.case.breadth import section_of
 from parisph.case.probes import AcrossProbe, Measure, Point, up
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
