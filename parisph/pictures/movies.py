@@ -35,8 +35,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
     run : or its folder; path : file to write
-    field : see colouring.Look, also for further keywords; without `limits` the colours cover most values of all frames, and
-        a short impact may exceed them
+    field : see colouring.Look, also for further keywords; without `limits` the colours cover most values of all frames,
+        and a short impact may exceed them
     fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once
     slow : slow-motion factor; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left

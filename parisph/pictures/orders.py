@@ -130,8 +130,8 @@ def _plot_flow(run: Run, time: float | None, peak: str | None, out: AnyPath | No
         which = float(time)
     if out is None:
         shown = which["time"] if isinstance(which, Mapping) else run.times[run.number(which)]
-        plane = f"_{look['view']}" if look.get("view") == SOLID else f"_{look['slice'].replace(' ', '')}" if "slice" in look else ""
-        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s{plane}.png"
+        of = SOLID if look.get("view") == SOLID else look.get("slice", "").replace(" ", "")
+        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s{f'_{of}' if of else ''}.png"
     view.plot_field(run, which, path=out, **look)
     return Path(out)
 

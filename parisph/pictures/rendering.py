@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,8 @@ class Piece:
 
     points : (n, 3) [m]; triangles : (m, 3), or None for spheres of `radius` [m] at the points
     values : (n,) with `limits` and a colour map `colours`, or None for the colour `colour`
-    smooth : of a closed surface: edges are rounded by shading, but sharp ones; lit : whether there is shading; lines : triangles are drawn as their sharp edges
+    smooth : of a closed surface: edges are rounded by shading, but sharp ones; lit : whether there is shading
+    lines : triangles are drawn as their sharp edges
     """
 
     points: Floats
@@ -68,6 +70,11 @@ class Eye:
         wide, high = MARGIN * np.ptp(across), max(MARGIN * np.ptp(up), 1e-3)
         return cls(middle + far * outward, middle, float(np.rad2deg(2.0 * np.arctan(0.5 * high))),
                    float(np.clip(wide / high, 0.5, 6.0)))
+
+
+def available() -> bool:
+    """Return whether pyvista is installed. It is not loaded, which takes seconds."""
+    return find_spec("pyvista") is not None
 
 
 def image(pieces: Sequence[Piece], eye: Eye, width: int = 1600) -> NDArray[np.uint8]:

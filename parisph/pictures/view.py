@@ -205,8 +205,8 @@ class FieldView(ColouredView):
         else:
             around = [window.corners(box)] if (box := self._box()) is not None else []
         if len(pieces):
-            axes.add_collection(LineCollection(list(pieces / self.length), colors=style.WALL_COLOUR, linewidths=2.0, zorder=3,
-                                               capstyle="round"))
+            axes.add_collection(LineCollection(list(pieces / self.length), colors=style.WALL_COLOUR, linewidths=2.0,
+                                               zorder=3, capstyle="round"))
         if len(around) == 1:    # other walls are filled, and hide the discs inside
             cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
