@@ -107,7 +107,7 @@ class FieldView(ColouredView):
         snapshot = self.seen.snapshot(snapshot)
         x, values = snapshot["x"] / self.length, self.values(snapshot)
         fluid = snapshot["kind"] == FLUID
-        ground = (fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)
+        ground = ((fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)) & self._outlined
         layers = [(style.discs(axes, x[rows], size * self.spacing), values[rows])
                   for rows, size in ((ground, GROUND), (fluid, DISC))]
         # The ground is cut at the walls, but not particles: one that crosses a wall is visible.
@@ -128,6 +128,11 @@ class FieldView(ColouredView):
                      [note, f"{away} particle{'s' * (away > 1)} outside" if away else ""])
         return None if roles else layers[1][0]
 
+    @property
+    def _outlined(self) -> bool:
+        """Whether all walls have outlines, at which discs that reach into them are cut."""
+        return self.slice is None or (self.scene is not None and not self.whole.surfaces) or not self.whole.all_bodies
+
     def mark(self, axes: "Axes", time: float, probes: bool = True) -> None:
         """Draw still level, zones and probes into axes."""
         if self.scene is not None and self.scene.fluids:
@@ -140,7 +145,7 @@ class FieldView(ColouredView):
         for snapshot in map(self.seen.snapshot, snapshots):
             x, values = snapshot["x"] / self.length, self.values(snapshot)
             inside = (x[:, 0] >= left) & (x[:, 0] <= right) & (x[:, 1] >= low) & (x[:, 1] <= high)
-            shown = (snapshot["kind"] == FLUID) | self._walls_to_fill(snapshot)
+            shown = (snapshot["kind"] == FLUID) | (self._walls_to_fill(snapshot) & self._outlined)
             found.append(values[shown & inside & np.isfinite(values)])
         return np.concatenate(found)
 
