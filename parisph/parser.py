@@ -229,10 +229,19 @@ def _add_run(verb: argparse.ArgumentParser) -> None:
 
 def _add_drawing(verb: argparse.ArgumentParser, scale: str) -> None:
     verb.add_argument("--field", metavar="NAME",
-                      help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
+                      help="Colour by pressure (default), speed, velocity_x, velocity_y, velocity_z (3D), "
+                           "density_ratio or role")
     verb.add_argument("--frame", choices=("tank", "world"),
                       help="Show a tank that moves from itself (tank, the default), or from the room, with gravity "
                            "downwards (world)")
+    verb.add_argument("--slice", metavar="AXIS=PLACE",
+                      help="Of a 3D flow, show the particles within half a spacing of this plane, such as y=0.47 [m] "
+                           "(default: the middle of the breadth)")
+    verb.add_argument("--view", choices=("slice", "3d"),
+                      help="Show a slice of a 3D flow (slice, the default), or render the water, the walls and the "
+                           "pressure on bodies from outside (3d)")
+    verb.add_argument("--camera", type=arguments.number, nargs=2, metavar=("AZIMUTH", "ELEVATION"),
+                      help="With --view 3d, look from these angles [degrees]; 0 0 is from the front, along y")
     verb.add_argument("--surface", action="store_true", help="Mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true",
                       help="Divide lengths by H, times by sqrt(H/g), pressures by rho g H (flow or probes, "

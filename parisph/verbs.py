@@ -179,7 +179,8 @@ def _movie(args: argparse.Namespace) -> None:
 def _look(args: argparse.Namespace) -> dict[str, Any]:
     """Return the options of pictures.view.Look, None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
-            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame}
+            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame,
+            "slice": args.slice, "view": args.view, "camera": args.camera}
 
 
 def _report(args: argparse.Namespace) -> None:

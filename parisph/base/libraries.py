@@ -18,6 +18,7 @@ _REMEDIES = {
     ENGINE: f"to run cases, use {SETUP}",
     ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {SETUP}",
     ("matplotlib",): "to make pictures, pip install 'parisph[plot]'",
+    ("pyvista",): "to render views of 3D flows, pip install 'parisph[render]'",
     SURFACES: "to read surfaces from files such as STL, pip install 'parisph[surfaces]'",
     ("shtab",): "to complete commands in a shell, pip install shtab",
 }

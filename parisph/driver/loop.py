@@ -65,6 +65,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
             store = Store.create(simulation.comm, out, to_json(simulation.case, how.of_run(comm, case)),
                                  _about(simulation), case.output.fields, lock)
             room_file.keep(simulation.comm, store.folder, case, store.run)
+            store.walls = simulation.wall_cells
             store.notes += [(logging.INFO, line) for line in how.repeated(case)]
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
@@ -117,6 +118,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                                  case.output.fields, lock, name, series,
                                  saved.state.get("checkpoints", [found.name]) if saved and found else ())
             room_file.keep(simulation.comm, store.folder, case, store.run)
+            store.walls = simulation.wall_cells
             if saved:
                 store.notes += [(logging.INFO, line) for line in edits]
                 store.notes.insert(0, (logging.INFO,

@@ -22,6 +22,7 @@ from parisph.driver.overflow import OpenTank, Overflow
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.geometry import build
 from parisph.io import room_file
+from parisph.io.cells import WallCells
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods import written
@@ -155,6 +156,14 @@ class Simulation:
         else:
             solid_walls.complete(case, flow, start.arrays)
         return flow
+
+    @property
+    def wall_cells(self) -> WallCells | None:
+        """The triangles of the walls for snapshots in 3D, by the ids of their nodes; None in 2D and without walls."""
+        elements = self.domain.elements
+        if elements is None or elements.mesh.dim == 2:
+            return None
+        return WallCells(elements.first + elements.mesh.elements.astype(np.int64), elements.mesh.element_body)
 
     @_collective
     def solve_start(self) -> int:

@@ -1,8 +1,9 @@
 """Snapshots: the particles at one time, in VTKHDF files that ParaView, VTK and h5py read.
 
 Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one piece, which VTK reads since 9.1
-(PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle, /VTKHDF/PointData/<name>,
-/VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero. Attributes of the root: case (JSON), method,
+(PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle, in 3D the triangles of the walls with the
+number of their body in /VTKHDF/CellData/body (parisph.io.cells), /VTKHDF/PointData/<name>, /VTKHDF/FieldData/TimeValue
+and Step. In 2D the third component is zero. Attributes of the root: case (JSON), method,
 versions and so on. After the HDF5 part there is a digest (parisph.io.digest).
 """
 
@@ -21,6 +22,7 @@ from parisph.base.fields import FIELDS
 from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
+from parisph.io.cells import WallCells, cells
 from parisph.io.files import read_json, write_json
 from parisph.io.slabs import Slab
 from parisph.io.views import Snapshot
@@ -28,8 +30,6 @@ from parisph.io.views import Snapshot
 # Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
 ALWAYS = ("id", "kind", "role")
-VERTEX = 1  # VTK's number for a cell of one point
-
 
 class Written(Protocol):
     """This rank's rows of a snapshot: Particles, or a copy of their fields.
@@ -42,18 +42,20 @@ class Written(Protocol):
 
 
 def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],
-          attributes: Mapping[str, str | float]) -> None:
+          attributes: Mapping[str, str | float], walls: WallCells | None = None) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
     time [s], step : of the particles
     fields : names in the field registry; id, kind and role are always written
     attributes : of the root of the file
+    walls : triangles between the nodes of walls, the same on all ranks; None for none
 
     Raises StoreError on every rank: an unknown field, or the disk fails.
     """
-    n, start, total = particles.n_owned, particles.offset, particles.n_global
+    start, total = particles.offset, particles.n_global
     names = check_fields(fields)
-    arrays = [Slab("VTKHDF/Points", _three(particles.x), start, total, {"unit": "m"}), *_cells(n, start, total)]
+    found, triangles = cells(comm, particles.id, start, total, walls)
+    arrays = [Slab("VTKHDF/Points", _three(particles.x), start, total, {"unit": "m"}), *found]
     for name in names:
         field = FIELDS[name]
         data = getattr(particles, name)
@@ -61,7 +63,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
         about = {"unit": field.unit, "meaning": field.meaning}
         arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
     root = {**attributes, "dim": particles.dim, "ranks": comm.size}
-    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, root))
+    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, triangles, time, step, root))
 
 
 def read(path: AnyPath, time: float | None = None, run: str = "", early: bool = False) -> Snapshot:
@@ -186,26 +188,15 @@ def _three(vectors: Floats) -> Floats:
     return padded
 
 
-def _cells(n: int, start: int, total: int) -> list[Slab]:
-    """Return one vertex cell per particle, so that ParaView's filters can select particles."""
-    numbers = np.arange(start, start + n, dtype=np.int64)
-    ends, first = numbers + 1, start + 1
-    if start == 0 and (n > 0 or total == 0):  # offsets have a leading zero, one entry more than cells
-        ends, first = np.concatenate(([0], ends)), 0
-    return [
-        Slab("VTKHDF/Connectivity", numbers, start, total),
-        Slab("VTKHDF/Offsets", ends, first, total + 1),
-        Slab("VTKHDF/Types", np.full(n, VERTEX, dtype=np.uint8), start, total),
-    ]
-
-
-def _decorate(file: h5py.File, total: int, time: float, step: int, attributes: Mapping[str, Any]) -> None:
+def _decorate(file: h5py.File, total: int, triangles: int, time: float, step: int,
+              attributes: Mapping[str, Any]) -> None:
     file.attrs.update({**attributes, "time": float(time), "step": int(step)})
     group = file.create_group("VTKHDF")
     group.attrs["Version"] = np.array([1, 0], dtype=np.int64)
     # VTK asks for an ASCII string of fixed length here.
     group.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", len("UnstructuredGrid")))
-    for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):    # one entry for each piece
-        group[name] = np.array([total], dtype=np.int64)
+    for name, number in (("NumberOfPoints", total), ("NumberOfCells", total + triangles),
+                         ("NumberOfConnectivityIds", total + 3 * triangles)):    # one entry for each piece
+        group[name] = np.array([number], dtype=np.int64)
     group["FieldData/TimeValue"] = np.array([time], dtype=np.float64)
     group["FieldData/Step"] = np.array([step], dtype=np.int64)

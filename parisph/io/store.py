@@ -18,6 +18,7 @@ from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.io import checkpoint, snapshot
 from parisph.io import folder as folders
+from parisph.io.cells import WallCells
 from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
@@ -34,6 +35,7 @@ class Store:
     run : identity of the run, which is written to all its files
     about : how the run is made; written to all later files
     times : [s], of the snapshots written so far (on rank 0 only)
+    walls : triangles of the walls for snapshots (io.cells), None for none
     notes : (level of the log, text) of changes to the folder before the run continues, for the log of rank 0
     """
 
@@ -41,6 +43,7 @@ class Store:
                  fields: Sequence[str], lock: Lock | None = None) -> None:
         self.comm, self.folder, self.lock = comm, Path(folder), lock
         self.times: list[float] = []
+        self.walls: WallCells | None = None
         self.notes: list[tuple[int, str]] = []
         snapshot.check_fields(fields)
         self._fields = tuple(fields)
@@ -129,7 +132,7 @@ class Store:
     def snapshot(self, particles: Particles, time: float, step: int) -> None:
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
         name = self.comm.bcast(self._next_name(time) if self.comm.rank == 0 else None)
-        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
+        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about, self.walls)
 
         def enter() -> None:
             if self.times[-1:] == [time]:
@@ -155,7 +158,7 @@ class Store:
                 os.replace(path, self.folder / BEFORE / path.name)
         on_first(self.comm, f"write {path}", make_room)
         snapshot.write(self.comm, path, particles, time, step, self._fields,
-                       {**self.about, "probe": name, "peak": float(value)})
+                       {**self.about, "probe": name, "peak": float(value)}, self.walls)
 
     def checkpoint(self, particles: Particles, time: float, step: int, dt: float, state: Mapping[str, Any],
                    flows: Sequence[checkpoint.EarlierFlow] = ()) -> Path:

@@ -20,19 +20,20 @@ BETWEEN = 100    # times between the first and the last picture at which the pla
 class PictureFrame:
     """The frame of a picture. motion : of the tank; world : whether the frame is the room
 
-    gravity : (2,) in the room, None if not uniform
+    gravity : (dim,) in the room, None if not uniform; dim : of the flow
     """
 
     motion: Motion
     world: bool
     gravity: Floats | None = None
+    dim: int = 2
 
     @classmethod
     def of(cls, case: Case, frame: str) -> "PictureFrame":
         """Return the frame "tank" or "world" of a case. Raises CaseError for another word."""
         if frame not in (TANK, WORLD):
             raise CaseError(f"--frame {frame}: must be {TANK} or {WORLD}")
-        return cls(case.frame, frame == WORLD, uniform_field(case.gravity))
+        return cls(case.frame, frame == WORLD, uniform_field(case.gravity), case.dim)
 
     @property
     def moved(self) -> bool:
@@ -70,8 +71,8 @@ class PictureFrame:
             way = "anticlockwise" if angle > 0.0 else "clockwise"
             where = f"turned {abs(angle):.1f}\N{DEGREE SIGN}" + (f" {way}" if abs(angle) >= 0.05 else "")
         else:
-            along = self.motion.placed_by(np.zeros((1, 2)), value)[0]
-            where = f"moved by ({along[0] + 0.0:.3g}, {along[1] + 0.0:.3g}) m"
+            along = self.motion.placed_by(np.zeros((1, self.dim)), value)[0] + 0.0
+            where = f"moved by ({', '.join(f'{part:.3g}' for part in along)}) m"
         return f"seen from the room, tank {where}" if self.world else f"tank's frame, {where}"
 
     def down(self, time: float) -> Floats | None:

@@ -15,7 +15,8 @@ from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
-from parisph.pictures.view import FieldView, Look, spread
+from parisph.pictures.colouring import Look
+from parisph.pictures.view import spread, view_of
 
 if TYPE_CHECKING:
     from matplotlib.animation import AbstractMovieWriter
@@ -34,8 +35,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     Colours, axes and speed are constant. The title gives the slow-motion factor.
 
     run : or its folder; path : file to write
-    field : see view.Look, also for further keywords; without `limits` the colours cover most values of all frames, and
-        a short impact may exceed them
+    field : see colouring.Look, also for further keywords; without `limits` the colours cover most values of all frames,
+        and a short impact may exceed them
     fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once
     slow : slow-motion factor; None for the speed that shows each snapshot once
     progress : whether standard error shows the drawn frames and the time left
@@ -48,7 +49,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     _check_ending(path)
     some = spread(run, SAMPLE)
     pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
-    view = FieldView(run.scene, some, Look(field, **look))
+    view = view_of(run.scene, some, Look(field, **look))
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
     axes = picture.add_subplot()

@@ -13,6 +13,7 @@ from parisph.base.text import clipped
 from parisph.io.layout import PEAKS
 from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
+from parisph.pictures.colouring import SOLID
 from parisph.truth.comparison import Comparison
 from parisph.truth.recorded import own_columns
 
@@ -32,13 +33,13 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
         (Run.peak), else at the nearest snapshot, with a note on standard error
     probes : names of probes whose series are drawn in one picture
     out : file to write; None for files in the folder of the (first) run, named after their content
-    normalise, look : see view.Look; None for a default
+    normalise, look : see colouring.Look; None for a default
 
     Raises CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
     quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be written
     """
-    look = {name: value for name, value in look.items() if value is not None}
-    flow = time is not None or peak is not None or "field" in look
+    look = _given(look)
+    flow = time is not None or peak is not None or "field" in look or "view" in look or "camera" in look
     if len(runs) > 1:
         if flow or look:
             raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
@@ -68,7 +69,7 @@ def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow
 
     Without `out` it is an .mp4, or without ffmpeg a .gif, with a note on standard error.
     """
-    look = {name: value for name, value in look.items() if value is not None}
+    look = _given(look)
     if out is None:
         mp4 = movies.has_ffmpeg()
         out = run.folder / f"flow_{look.get('field', 'pressure')}.{'mp4' if mp4 else 'gif'}"
@@ -76,6 +77,12 @@ def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow
             print("parisph: note: the movie is a .gif, because the program ffmpeg is not installed; an .mp4 is smaller "
                   "and can be paused", file=sys.stderr)
     return movies.movie(run, out, fps=fps, slow=slow, progress=progress, **look)
+
+
+def _given(look: dict[str, Any]) -> dict[str, Any]:
+    """Return what was given of a Look; a rendered view shows the speed, as the pressure on the surface is 0."""
+    given = {name: value for name, value in look.items() if value is not None}
+    return {"field": "speed", **given} if given.get("view") == SOLID else given
 
 
 def compare(run: Run, comparison: Comparison, reference: AnyPath, path: AnyPath) -> None:
@@ -123,7 +130,8 @@ def _plot_flow(run: Run, time: float | None, peak: str | None, out: AnyPath | No
         which = float(time)
     if out is None:
         shown = which["time"] if isinstance(which, Mapping) else run.times[run.number(which)]
-        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s.png"
+        of = SOLID if look.get("view") == SOLID else look.get("slice", "").replace(" ", "")
+        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s{f'_{of}' if of else ''}.png"
     view.plot_field(run, which, path=out, **look)
     return Path(out)
 

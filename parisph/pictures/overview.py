@@ -8,8 +8,9 @@ import numpy as np
 from parisph.base.arrays import Array
 from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
-from parisph.pictures import curves, states, style
-from parisph.pictures.view import FieldView, Look, spread
+from parisph.pictures import curves, rendering, states, style
+from parisph.pictures.colouring import SOLID, Look
+from parisph.pictures.view import FieldView, spread, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,9 +51,13 @@ def plot_moments(run: Run, path: AnyPath | None = None) -> "Figure":
 
 
 def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> None:
-    """Draw the particles at a snapshot, small and with few colours, for galleries. Raises as view.plot_field."""
+    """Draw the particles at a snapshot, small and with few colours, for galleries. Raises as view.plot_field.
+
+    A 3D flow is rendered where pyvista is installed, with its speed, as the pressure on the surface is 0.
+    """
     snapshot = run.snapshot(which)
-    view = FieldView(run.scene, [snapshot], Look(field))
+    solid = run.scene.dim == 3 and rendering.available()
+    view = view_of(run.scene, [snapshot], Look("speed", view=SOLID) if solid else Look(field))
     width, height = view.size(5.6)
     picture = style.new_figure(figsize=(width, height), layout="compressed")
     axes = picture.add_subplot()

@@ -54,6 +54,7 @@ QUANTITIES = {
         "u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
     "velocity_x": PlottedQuantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
     "velocity_y": PlottedQuantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
+    "velocity_z": PlottedQuantity("u", lambda u: u[:, 2], "velocity $w$", "m/s", "RdBu_r", "speed", 0.0),
     "vorticity": PlottedQuantity("vorticity", lambda omega: omega, r"vorticity $\omega$", "1/s", "RdBu_r", "", 0.0),
     "density_ratio": PlottedQuantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
     "role": PlottedQuantity("role", lambda r: r, "role", "", "", ""),

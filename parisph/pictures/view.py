@@ -1,15 +1,13 @@
 """Pictures of the flow of a run. Needs matplotlib, no MPI."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from parisph.base.arrays import Array, Flags, Floats
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError, StoreError
-from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
 from parisph.base.paths import AnyPath
 from parisph.case.bodies import Profile
 from parisph.case.schema import Case
@@ -21,58 +19,18 @@ from parisph.io.reader import Run, open_run
 from parisph.io.views import Snapshot
 from parisph.pictures import style, window
 from parisph.pictures.bodies_view import draw_bodies, draw_marks
-from parisph.pictures.frames import TANK, PictureFrame
+from parisph.pictures.colouring import SOLID, ColouredView, Look
+from parisph.pictures.frames import PictureFrame
+from parisph.pictures.slices import Slice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import Collection, EllipseCollection
-    from matplotlib.figure import Figure, FigureBase
+    from matplotlib.figure import Figure
 
 # Diameters in spacings: of a particle, and of the ground below particles inside, which fills the gaps between discs.
 DISC, GROUND = 1.05, 1.8
 ABOVE = 1.5    # drawing order of particles: above solids, so that a particle in a wall is visible
-
-
-@dataclass(frozen=True)
-class Look:
-    """The content and style of pictures of the flow.
-
-    field : "pressure", "speed", "velocity_x", "velocity_y", "vorticity", "density_ratio" or "role"
-    surface : whether particles on the free surface, and ballistic ones, are marked with rings
-    normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
-    limits : (lowest, highest) of the colours, in the unit of the picture; None to fit the values
-    colours : name of a matplotlib colour map, None for that of the quantity
-    zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
-    frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
-
-    Raises CaseError: unknown quantity or colour map; limits or zoom not in order, or not possible for the field
-    """
-
-    field: str = "pressure"
-    surface: bool = False
-    normalise: bool = False
-    limits: tuple[float, float] | None = None
-    colours: str | None = None
-    zoom: tuple[float, float, float, float] | None = None
-    frame: str = TANK
-
-    def __post_init__(self) -> None:
-        style.quantity(self.field)
-        if self.field == "role":
-            for name, value in (("limits", self.limits), ("cmap", self.colours)):
-                if value is not None:
-                    raise CaseError(f"--{name} does not apply to the field role, whose colours are fixed: leave it out")
-        if self.limits is not None:
-            _check_order("--limits", *self.limits)
-        if self.zoom is not None:
-            _check_order("--zoom, along x", *self.zoom[:2])
-            _check_order("--zoom, up", *self.zoom[2:])
-        style.check_colours(self.colours)
-
-
-def _check_order(name: str, low: float, high: float) -> None:
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise CaseError(f"{name}: {low:g} to {high:g} is not a range; give two numbers, the lower one first")
 
 
 def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, field: str = "pressure",
@@ -86,17 +44,26 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
         (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords; path : file to write (.png, .pdf, ...), or None
 
-    Raises CaseError : as Look, nothing to normalise by, or a zoom outside the scene
+    Raises CaseError : as Look, nothing to normalise by, or a zoom outside the scene; MissingLibrary
     StoreError : no such snapshot, or the quantity was not written
     """
     run = run if isinstance(run, Run) else open_run(run)
     snapshot = which if isinstance(which, Mapping) else run.snapshot(which)
-    view = FieldView(run.scene, [snapshot], Look(field, **look))
+    view = view_of(run.scene, [snapshot], Look(field, **look))
     picture = style.new_figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
     view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
     style.save(picture, path)
     return picture
+
+
+def view_of(scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> ColouredView:
+    """Return the view of snapshots that a Look asks for. Raises CaseError, StoreError, MissingLibrary."""
+    if look.view != SOLID:
+        return FieldView(scene, snapshots, look)
+    from parisph.pictures.rendered_view import RenderedView
+
+    return RenderedView(scene, snapshots, look)
 
 
 def spread(run: Run, count: int) -> list[Snapshot]:
@@ -106,19 +73,21 @@ def spread(run: Run, count: int) -> list[Snapshot]:
     return [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
 
 
-class FieldView:
-    """Draws snapshots of one run, with common scales, walls, colours and window."""
+class FieldView(ColouredView):
+    """Draws snapshots of one run, with common scales, walls, colours and window; of a 3D flow a slice."""
 
     def __init__(self, scene: Case, snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
-        if snapshots[0]["x"].shape[1] != 2:
-            raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
-        self.scene, self.look = scene, look
-        self.quantity, self.own = style.quantity(look.field), style.scene_units(scene)
-        if look.normalise and self.own.time is None:
-            raise CaseError("without constant gravity there is no sqrt(g H) to divide by")
+        super().__init__(scene, look)
+        self.slice = Slice.through(scene, look.frame, look.slice) if scene.dim == 3 else None
+        if self.slice is None and look.slice is not None:
+            raise CaseError(f"--slice {look.slice}: the flow is 2D, and shown as a whole; leave it out")
+        # The 2D scene whose walls are drawn as outlines; None of a slice without.
+        self.scene = scene if self.slice is None else self.slice.section
+        self.lidded, self.up = scene.lidded, "y" if self.slice is None else "z"
+        self.names = ("x", "y") if self.slice is None else self.slice.names
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = scene.numerics.spacing / self.length
-        self.seen = PictureFrame.of(scene, look.frame)
+        self.seen = PictureFrame.of(scene, look.frame) if self.slice is None else self.slice
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # vertical scale over the horizontal one
 
@@ -134,14 +103,15 @@ class FieldView:
 
         limits : (lowest, highest) of the colours; label : whether the title names the case; note : further text in it
         """
+        pieces = self.slice.walls(snapshot) if self.slice is not None else np.empty((0, 2, 2))
         snapshot = self.seen.snapshot(snapshot)
         x, values = snapshot["x"] / self.length, self.values(snapshot)
         fluid = snapshot["kind"] == FLUID
-        ground = (fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)
+        ground = ((fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)) & self._outlined
         layers = [(style.discs(axes, x[rows], size * self.spacing), values[rows])
                   for rows, size in ((ground, GROUND), (fluid, DISC))]
         # The ground is cut at the walls, but not particles: one that crosses a wall is visible.
-        self._draw_walls(axes, layers[0][0], snapshot["time"])
+        self._draw_walls(axes, layers[0][0], snapshot["time"], pieces)
         layers[1][0].set_zorder(ABOVE)
         roles = self.quantity.needs == "role"
         for discs, colour in layers:
@@ -158,61 +128,15 @@ class FieldView:
                      [note, f"{away} particle{'s' * (away > 1)} outside" if away else ""])
         return None if roles else layers[1][0]
 
+    @property
+    def _outlined(self) -> bool:
+        """Whether all walls have outlines, at which discs that reach into them are cut."""
+        return self.slice is None or (self.scene is not None and not self.whole.surfaces) or not self.whole.all_bodies
+
     def mark(self, axes: "Axes", time: float, probes: bool = True) -> None:
         """Draw still level, zones and probes into axes."""
-        draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
-
-    def values(self, snapshot: Mapping[str, Any]) -> Floats:
-        """Return the quantity in the unit of the picture, (n,). Raises StoreError if it was not written."""
-        needed = self.quantity.needs
-        if needed not in snapshot:
-            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
-                             "Output.fields)")
-        values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
-        return values * self._scale[0]
-
-    def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
-        """Return the (lowest, highest) of the colours for all snapshots, None for roles.
-
-        They are the user's, else those of most values, without a short impact or single spikes.
-
-        whole : whether they reach the greatest value
-        """
-        if self.quantity.needs == "role":
-            return None
-        if self.look.limits is not None:
-            low, high = self.look.limits
-            return low, high
-        values = np.sort(self._shown_values(snapshots))
-        if len(values) < 3:
-            return 0.0, 1.0
-        spikes = min(-(-len(values) // 200), (len(values) - 1) // 2)  # at either end, one at least
-        low, high = values[spikes], values[-1 if whole else -1 - spikes]
-        centre = self.quantity.centre
-        if centre is not None:
-            reach = max(abs((values[0] if whole else low) - centre), abs(high - centre)) or 1.0
-            return centre - reach, centre + reach
-        if low > -0.05 * high:  # positive except for noise: start at zero
-            low = 0.0
-        return (low, high) if high > low else (low, low + 1.0)
-
-    def add_colour_bar(self, picture: "FigureBase", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
-                       snapshots: Sequence[Mapping[str, Any]]) -> None:
-        """Add the colour bar of `discs`, with pointed ends if values exceed it; nothing for roles.
-
-        axes : one, whose height the bar has, or a list
-        """
-        if discs is None:
-            return
-        values = self._shown_values(snapshots)
-        beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-        low, high = discs.get_clim()
-        extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
-        beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, Sequence)
-                  else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
-        bar = picture.colorbar(discs, extend=extend, **beside)
-        bar.set_label(self._scale[1])
-        bar.ax.spines["outline"].set_linewidth(0.5)
+        if self.scene is not None and self.scene.fluids:
+            draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
     def _shown_values(self, snapshots: Sequence[Mapping[str, Any]]) -> Floats:
         """Return the finite values (n,) inside the window, of fluid and of walls with a pressure."""
@@ -221,24 +145,14 @@ class FieldView:
         for snapshot in map(self.seen.snapshot, snapshots):
             x, values = snapshot["x"] / self.length, self.values(snapshot)
             inside = (x[:, 0] >= left) & (x[:, 0] <= right) & (x[:, 1] >= low) & (x[:, 1] <= high)
-            shown = (snapshot["kind"] == FLUID) | self._walls_to_fill(snapshot)
+            shown = (snapshot["kind"] == FLUID) | (self._walls_to_fill(snapshot) & self._outlined)
             found.append(values[shown & inside & np.isfinite(values)])
         return np.concatenate(found)
 
-    @cached_property
-    def _scale(self) -> tuple[float, str]:
-        """Factor of values in the unit of the picture, and label of the colour bar."""
-        scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
-        if self.look.normalise and scale:
-            by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
-            return 1.0 / float(scale), rf"{self.quantity.symbol}$\,/\,{by}$"
-        factor, unit = style.with_prefix(scale or 0.0, self.quantity.unit)
-        return factor, f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
-
     def _window(self, snapshots: Sequence[Mapping[str, Any]]) -> window.Ends:
         """Return ((left, right), (low, high)) of the axes: the zoom, else those of walls and fluid."""
-        box, spacing = domain(self.scene) if self.scene.wall_bounds is not None else None, self.scene.numerics.spacing
-        fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
+        box, spacing = self._box(), self.spacing * self.length
+        fluid = [self._fluid(snapshot) for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
         times = np.array([snapshot["time"] for snapshot in snapshots])
         walls = [] if box is None else self.seen.course(self._walls_shown(box, fluid), times)
@@ -247,23 +161,29 @@ class FieldView:
             return ends
         left, right, bottom, top = self.look.zoom
         if left >= ends[0][1] or right <= ends[0][0] or bottom >= ends[1][1] or top <= ends[1][0]:
+            reach = " and from ".join(f"{name} = {end[0]:.4g} to {end[1]:.4g}" for name, end in zip(self.names, ends))
             raise CaseError(f"--zoom {left:g} {right:g} {bottom:g} {top:g}: nothing is there; the scene reaches from "
-                            f"x = {ends[0][0]:.4g} to {ends[0][1]:.4g} and from y = {ends[1][0]:.4g} to "
-                            f"{ends[1][1]:.4g}")
+                            f"{reach}")
         return (left, right), (bottom, top)
+
+    def _box(self) -> window.Box | None:
+        """Return the corners (2,) [m] of a box around the walls, None without walls."""
+        if self.whole.wall_bounds is None:
+            return None
+        return domain(self.whole) if self.slice is None else self.slice.box()
+
+    def _fluid(self, snapshot: Mapping[str, Any]) -> Floats:
+        """Return the places (n, 2) [m] of all fluid in the frame of the tank, so that all slices show the same box."""
+        x: Floats = snapshot["x"][snapshot["kind"] == FLUID]
+        return x if self.slice is None else self.slice.flat(x)
 
     def _walls_shown(self, box: window.Box, fluid: Sequence[Floats]) -> Floats:
         """Return the corners (4, 2) [m] around the walls, without the empty top of a tank without a lid."""
         (left, low), (right, top) = box
         high = max((x[:, 1].max() for x in fluid if len(x)), default=top)
-        if not self.scene.lidded and high <= low + 0.7 * (top - low):
+        if not self.lidded and self.names[1] == self.up and high <= low + 0.7 * (top - low):
             top = min(top, low + 1.2 * (high - low))
-        return np.array([(left, low), (right, low), (right, top), (left, top)])
-
-    def _walls_to_fill(self, snapshot: Mapping[str, Any]) -> Flags:
-        """Return the wet wall particles, (n,) bool, which have a pressure and fill the gap of s/2 to the wall."""
-        wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
-        return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
+        return window.corners((np.array([left, low]), np.array([right, top])))
 
     def _name_roles(self, axes: "Axes", roles: Array) -> None:
         from matplotlib.patches import Patch
@@ -272,16 +192,26 @@ class FieldView:
         axes.legend(handles=[Patch(facecolor=colour, label=name) for name, colour in present],
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
-    def _draw_walls(self, axes: "Axes", cut: "EllipseCollection", time: float) -> None:
-        """Draw the walls at a time [s]; clip the discs `cut` to the inside of a tank or the space above a bed."""
+    def _draw_walls(self, axes: "Axes", cut: "EllipseCollection", time: float, pieces: Floats) -> None:
+        """Draw the walls at a time [s]; clip the discs `cut` to the inside of a tank or the space above a bed.
+
+        pieces : (k, 2, 2) [m], of walls in a slice that have no outline
+        """
+        from matplotlib.collections import LineCollection
         from matplotlib.patches import Polygon
 
         (left, right), (low, high) = self.window
         far = (right - left + high - low) * self.length
         floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes for any place of the tank
-        draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
-        around = [_room(wall, time, far) for wall in standing(self.scene)
-                  if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+        if self.scene is not None:
+            draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
+            around = [_room(wall, time, far) for wall in standing(self.scene)
+                      if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+        else:
+            around = [window.corners(box)] if (box := self._box()) is not None else []
+        if len(pieces):
+            axes.add_collection(LineCollection(list(pieces / self.length), colors=style.WALL_COLOUR, linewidths=2.0,
+                                               zorder=3, capstyle="round"))
         if len(around) == 1:    # other walls are filled, and hide the discs inside
             cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
@@ -305,11 +235,12 @@ class FieldView:
         axes.set_xlim(self.window[0])
         axes.set_ylim(self.window[1])
         axes.set_aspect(self.stretch)
-        axes.set_xlabel("$x/H$" if self.look.normalise else "$x$ [m]")
-        axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
+        across, up = (f"${name}/H$" if self.look.normalise else f"${name}$ [m]" for name in self.names)
+        axes.set(xlabel=across, ylabel=up)
         axes.tick_params(direction="in", top=True, right=True)
-        more = ",   ".join(filter(None, [self.seen.note(time), window.said(self.stretch), *notes]))
-        title = [*([style.literal(self.scene.title)] if label else []), style.time_label(time, self.own),
+        where = self.slice.said if self.slice is not None else ""
+        more = ",   ".join(filter(None, [where, self.seen.note(time), window.said(self.stretch), *notes]))
+        title = [*([style.literal(self.whole.title)] if label else []), style.time_label(time, self.own),
                  *([more] if more else [])]
         axes.set_title("\n".join(title), loc="left", fontsize=11 if label else 9)
         down = self.seen.down(time)

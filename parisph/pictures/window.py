@@ -55,6 +55,12 @@ def of(fluid: Iterable[Floats], walls: Sequence[Floats], length: float = 1.0) ->
     return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
 
 
+def corners(box: Box) -> Floats:
+    """Return the corners (4, 2) of a box, anticlockwise."""
+    (left, low), (right, high) = box
+    return np.array([(left, low), (right, low), (right, high), (left, high)])
+
+
 def outside(x: Floats, window: Ends) -> int:
     """Return the number of points (n, 2) outside a window, all in one unit."""
     (left, right), (low, high) = window

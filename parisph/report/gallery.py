@@ -12,7 +12,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain
 from parisph.io.files import failing_as, write_text
 from parisph.io.reader import Run
-from parisph.pictures import curves, overview
+from parisph.pictures import curves, overview, rendering
 from parisph.report import account, events, markup
 from parisph.report.between import Between
 from parisph.report.entries import Cell, CellTable, number
@@ -47,7 +47,7 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     pages, texts = [], ["# Gallery", ""]
     for name, about in _subjects(folders):
         path = _picture(about.run, place / f"{name}.png")
-        caption = f"{_field(about.run).capitalize()} at t = {about.run.times[_moment(about.run)]:.4g} s" if path else ""
+        caption = f"{_shown(about.run).capitalize()} at t = {about.run.times[_moment(about.run)]:.4g} s" if path else ""
         pages += [markup.heading(about.title), *([markup.picture(path, caption)] if path else []),
                   markup.table(_facts(about)),
                   markup.table(truths) if (truths := _table(about)).rows else markup.paragraph("No truth.")]
@@ -98,6 +98,11 @@ def _moment(run: Run) -> int:
 def _field(run: Run) -> str:
     """Return the quantity in the picture: the pressure, or the speed of a viscous flow."""
     return "speed" if run.scene.viscosity else "pressure"
+
+
+def _shown(run: Run) -> str:
+    """Return the quantity in the picture, of a rendered one the speed."""
+    return "speed" if run.scene.dim == 3 and rendering.available() else _field(run)
 
 
 def _facts(about: Subject) -> CellTable:

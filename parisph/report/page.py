@@ -16,7 +16,7 @@ from parisph.case.truths import intervals
 from parisph.io.files import failing_as, write_text
 from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
-from parisph.pictures import beside, curves, overview, view
+from parisph.pictures import beside, curves, overview, rendering, view
 from parisph.report import account, conditions, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
@@ -135,7 +135,13 @@ def _flow(about: Subject, folder: Path) -> list[str]:
     if len(run) == 0:
         return []
     overview.plot_moments(run, folder / "flow.png")
-    parts = [markup.heading("The flow"), markup.picture(folder / "flow.png", "Pressure at moments of the run")]
+    where = "Pressure at moments of the run" + (", in a slice" if run.scene.dim == 3 else "")
+    parts = [markup.heading("The flow"), markup.picture(folder / "flow.png", where)]
+    if run.scene.dim == 3 and rendering.available():
+        moment = (2 * (len(run) - 1)) // 3    # often after an impact
+        view.plot_field(run, moment, "speed", folder / "rendered.png", view="3d")
+        parts.append(markup.picture(folder / "rendered.png", f"Speed, and pressure on bodies, at t = "
+                                                             f"{run.times[moment]:.4g} s"))
     for name in run.probe_names:
         peak = run.peak(name)
         if peak is not None:

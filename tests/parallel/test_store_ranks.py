@@ -15,6 +15,7 @@ from mpi4py import MPI
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.io import checkpoint, digest, files, slabs, snapshot
+from parisph.io.cells import WallCells
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests.owned_rows import OwnedRows, everything
@@ -61,6 +62,26 @@ def test_snapshot_has_every_row_once_however_spread(folder, way, dim):
         np.testing.assert_array_equal(file["VTKHDF/Connectivity"][()], np.arange(11))
         np.testing.assert_array_equal(file["VTKHDF/Types"][()], np.ones(11))
         assert file["VTKHDF/Points"].shape == (11, 3)
+
+
+@pytest.mark.parametrize("way", range(3))
+def test_snapshots_have_the_triangles_of_walls_between_the_rows_of_their_nodes(folder, way):
+    particles = OwnedRows(spreads(WORLD.size)[way], WORLD.rank, 3)
+    # nodes have the ids 5 to 10, and 12 is missing: a triangle without one of its nodes is left out
+    ids = np.array([(5, 6, 7), (7, 6, 8), (10, 12, 9), (8, 9, 10)])
+    snapshot.write(WORLD, folder / "a.vtkhdf", particles, 0.25, 7, (), {}, WallCells(ids, np.array([0, 0, 3, 3])))
+    with h5py.File(folder / "a.vtkhdf", "r") as file:
+        group = {name: data[()] for name, data in file["VTKHDF"].items() if isinstance(data, h5py.Dataset)}
+        body, row_ids = file["VTKHDF/CellData/body"][()], file["VTKHDF/PointData/id"][()]
+    assert (group["NumberOfPoints"], group["NumberOfCells"], group["NumberOfConnectivityIds"]) == (11, 14, 20)
+    assert group["Offsets"][0] == 0 and group["Offsets"][-1] == 20 and len(group["Offsets"]) == 15
+    corners = np.split(group["Connectivity"], group["Offsets"][1:-1])
+    assert [len(cell) for cell in corners] == np.where(group["Types"] == 5, 3, 1).tolist()
+    vertices = [cell[0] for cell in corners if len(cell) == 1]
+    np.testing.assert_array_equal(vertices, np.arange(11))
+    triangles = {tuple(row_ids[cell].tolist()): int(number) for cell, number in zip(corners, body) if len(cell) == 3}
+    assert triangles == {(5, 6, 7): 0, (7, 6, 8): 0, (8, 9, 10): 3}
+    np.testing.assert_array_equal(body[group["Types"] == 1], -1)
 
 
 @pytest.mark.parametrize("way", range(3))

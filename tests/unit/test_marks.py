@@ -174,8 +174,8 @@ def test_velocities_in_the_room_are_those_of_places_in_the_room(frame):
 def test_a_movie_of_the_room_has_room_for_the_tank_wherever_it_is(tmp_path, monkeypatch):
     frame = Roll(0.8, 2 * np.pi / 0.2, centre=(0.5, 0.0), ramp=0.0)    # it is level in every snapshot but one
     ends = []
-    draw = movies.FieldView.draw
-    monkeypatch.setattr(movies.FieldView, "draw",
+    draw = view.FieldView.draw
+    monkeypatch.setattr(view.FieldView, "draw",
                         lambda own, *args, **how: ends.append(own.window) or draw(own, *args, **how))
     movies.movie(written(tmp_path / "run", basin(frame=frame), water()), tmp_path / "a.gif", dpi=20, frame="world")
     assert ends[0][1][0] < -0.3 and ends[0][1][1] > 0.7

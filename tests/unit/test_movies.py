@@ -8,7 +8,7 @@ import pytest
 
 from parisph.base import live_line
 from parisph.base.errors import CaseError, StoreError
-from parisph.pictures import movies, orders
+from parisph.pictures import movies, orders, view
 from parisph.pictures.movies import Pace
 from tests.unit.test_view import basin, water, written
 
@@ -82,8 +82,8 @@ def test_the_gif_is_as_fast_as_its_title_says(tmp_path):
 
 def test_the_title_of_a_frame_says_the_factor(tmp_path, monkeypatch):
     notes = []
-    draw = movies.FieldView.draw
-    monkeypatch.setattr(movies.FieldView, "draw", lambda *args, **how: notes.append(how["note"]) or draw(*args, **how))
+    draw = view.FieldView.draw
+    monkeypatch.setattr(view.FieldView, "draw", lambda *args, **how: notes.append(how["note"]) or draw(*args, **how))
     run = written(tmp_path / "run", basin(), water())
     movies.movie(run, tmp_path / "a.gif", dpi=40)
     assert notes == 3 * ["speeded up 2 x"]

@@ -289,3 +289,9 @@ def test_a_long_flume_is_drawn_stretched_and_says_so(tmp_path):
     assert f"vertical scale x{stretch:.0f}" in axes.get_title(loc="left")
     overview.plot_small(open_run(tmp_path / "run"), 0, tmp_path / "small.png")
     assert 1000 < (tmp_path / "small.png").stat().st_size < 60_000
+
+
+@pytest.mark.parametrize("look", [{"slice": "y=0.1"}, {"view": "3d"}, {"field": "velocity_z"}])
+def test_what_exists_in_3d_only_is_refused_of_a_2d_flow(run, look):
+    with pytest.raises(CaseError, match="2D|3D only"):
+        view.plot_field(run, **look)

@@ -16,6 +16,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.io import snapshot
+from parisph.io.cells import WallCells
 from parisph.io.layout import INDEX
 from parisph.io.store import Store
 from tests.launch import run
@@ -50,6 +51,9 @@ print(json.dumps({
     "cells": [cell(number) for number in range(grid.GetNumberOfCells())],
     "arrays": {points.GetArrayName(number): rows(points.GetArray(number))
                for number in range(points.GetNumberOfArrays())},
+    "body": rows(grid.GetCellData().GetArray("body")) if grid.GetCellData().HasArray("body") else None,
+    "corners": [[grid.GetCell(number).GetPointId(k) for k in range(grid.GetCell(number).GetNumberOfPoints())]
+                for number in range(grid.GetNumberOfCells())],
     "fields": {fields.GetArrayName(number): rows(fields.GetArray(number))
                for number in range(fields.GetNumberOfArrays())},
 }))
@@ -95,6 +99,18 @@ def test_vtk_reads_points_cells_arrays_and_time(tmp_path, python, dim):
                        ("pressure", particles.p), ("velocity", particles.u), ("normal", particles.normal)):
         np.testing.assert_array_equal(np.array(found["arrays"][name])[:, : data[0].size],
                                       data.reshape(23, -1), err_msg=name)
+
+
+@pytest.mark.parametrize("python", PYTHONS)
+def test_vtk_reads_the_triangles_of_walls(tmp_path, python):
+    particles = OwnedRows([23], 0, 3)
+    ids = np.array([(19, 20, 21), (21, 20, 22)])
+    walls = WallCells(ids, np.array([0, 2]))
+    snapshot.write(MPI.COMM_SELF, tmp_path / "a.vtkhdf", particles, 0.25, 7, ("p",), {}, walls)
+    found = result(python, READ, tmp_path / "a.vtkhdf")
+    assert [kind for kind, _, _ in found["cells"]] == [1] * 23 + [5, 5]    # types vertex and triangle
+    assert found["body"] == [[-1]] * 23 + [[0], [2]]
+    np.testing.assert_array_equal(particles.id[found["corners"][23:]], ids)
 
 
 @pytest.mark.parametrize("python", PYTHONS)
