@@ -30,7 +30,8 @@ __version__ = "0.1.0"
 __all__ = [
     "__version__",
     "Case", "Fluid", "StillWater", "Box", "Disc", "Polygon", "Tank", "Lid", "Profile", "Obstacle", "Plate", "Piston",
-    "Flap", "Surface", "Numerics", "Output", "PeakBand", "Peaks", "Truth", "AtRest", "Sway", "Heave", "Roll", "Moved",
+    "Flap", "Surface", "Numerics", "Output", "PeakBand", "Peaks", "Truth", "AtRest", "Sway", "Heave", "Roll", "Pitch",
+    "Yaw", "Turn", "Combined", "Moved",
     "Series", "Tabulated", "PistonStroke", "FlapStroke", "Sponge", "Relaxation", "SurfaceGauge", "PressureTap",
     "WaterFront", "ColumnHeight", "Energy", "Volume", "Momentum", "VelocityPoint", "VelocityProfile", "RunUp", "Force",
     "Flux", "Friction", "ProbeArray", "Profiles", "Airy", "Jonswap", "Sloshing", "SolitaryWave", "StandingWave",
