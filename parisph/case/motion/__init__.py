@@ -9,7 +9,7 @@ from typing import Annotated, Union
 from pydantic import Field
 
 from parisph.case.motion.measured import Series
-from parisph.case.motion.oscillations import AtRest, Heave, Moved, Roll, Sway, Tabulated
+from parisph.case.motion.oscillations import Angular, AtRest, Heave, Moved, Roll, Sway, Tabulated
 from parisph.case.motion.rigid import SHARE, Motion, Rotation, Translation, course
 from parisph.case.motion.spatial import Spatial, leaves_section
 from parisph.case.motion.turning import Combined, Pitch, Turn, Yaw
@@ -17,6 +17,7 @@ from parisph.case.motion.wavemaker import FlapStroke, PistonStroke
 
 __all__ = [
     "SHARE",
+    "Angular",
     "AnyMotion",
     "AtRest",
     "Combined",

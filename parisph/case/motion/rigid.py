@@ -53,6 +53,10 @@ def unit_vector(direction: tuple[float, ...], dim: int) -> Floats:
 class Motion(Model):
     """The motion of a rigid body by a law of time: a displacement along a direction, or an angle about a centre."""
 
+    if TYPE_CHECKING:    # a field of each subclass
+        @property
+        def kind(self) -> str: ...
+
     @abstractmethod
     def law(self, t: float) -> tuple[float, float, float]:
         """Return displacement [m] or angle [rad], its rate, and its second derivative at time t [s]."""
@@ -68,6 +72,10 @@ class Motion(Model):
     def placed(self, x: Floats, t: float) -> Floats:
         """Return the positions (n, dim) [m] at time t [s] of points that are at x (n, dim) [m] in the body at rest."""
         return self.placed_by(x, self.law(t)[0])
+
+    def taken_back(self, x: Floats, t: float) -> Floats:
+        """Return the positions (n, dim) [m] in the body at rest of points that are at x (n, dim) [m] at time t [s]."""
+        return self.placed_by(x, -self.law(t)[0])
 
     @abstractmethod
     def turned(self, vectors: Floats, t: float) -> Floats:

@@ -19,6 +19,7 @@ from parisph.case.motion.rigid import Motion, Rotation, Translation, unit_vector
 from parisph.case.motion.splines import Law
 
 ROLL = (0.0, -1.0, 0.0)    # axis of a Roll, which turns x to z
+AFTER, BEFORE = [1, 2, 0], [2, 0, 1]    # axes
 ACROSS = 1e-9              # of a direction: a smaller part along y is rounding
 
 
@@ -36,10 +37,17 @@ class Pose(NamedTuple):
         """Return the pose of a body that moves by `inner` in a space that itself moves by this pose."""
         r, d, w = self.turn, self.shift, self.spin
         spin, second = r @ inner.spin, r @ inner.second
-        within = r @ inner.speed - np.cross(spin, d)    # velocity at the origin within the moved space
-        own = r @ inner.acceleration - np.cross(second, d) - np.cross(spin, np.cross(spin, d))
+        within = r @ inner.speed - cross(spin, d)    # velocity at the origin within the moved space
+        own = r @ inner.acceleration - cross(second, d) - cross(spin, cross(spin, d))
         return Pose(r @ inner.turn, r @ inner.shift + d, w + spin, self.speed + within,
-                    self.second + second + np.cross(w, spin), self.acceleration + own + 2.0 * np.cross(w, within))
+                    self.second + second + cross(w, spin), self.acceleration + own + 2.0 * cross(w, within))
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Return the cross products of vectors (..., 3), many times faster than by numpy's function."""
+    a, b = np.asarray(a), np.asarray(b)
+    found: Floats = a[..., AFTER] * b[..., BEFORE] - a[..., BEFORE] * b[..., AFTER]
+    return found
 
 
 def turned_about(axis: Sequence[float], centre: Sequence[float], law: Law) -> Pose:
@@ -47,15 +55,19 @@ def turned_about(axis: Sequence[float], centre: Sequence[float], law: Law) -> Po
     angle, rate, second = law
     unit, c = unit_vector(tuple(axis), 3), np.asarray(centre, dtype=float)
     turn, w, change = rotation(unit, angle), rate * unit, second * unit
-    return Pose(turn, c - turn @ c, w, -np.cross(w, c), change, -np.cross(change, c) - np.cross(w, np.cross(w, c)))
+    return Pose(turn, c - turn @ c, w, -cross(w, c), change, -cross(change, c) - cross(w, cross(w, c)))
 
 
 def rotation(unit: Floats, angle: float) -> Floats:
     """Return the matrix (3, 3) of the rotation about a unit vector (3,) by an angle [rad] (Rodrigues)."""
-    cosine, sine, (x, y, z) = np.cos(angle), np.sin(angle), unit
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    found: Floats = cosine * np.eye(3) + sine * cross + (1.0 - cosine) * np.outer(unit, unit)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    found: Floats = cosine * np.eye(3) + sine * cross_matrix(unit) + (1.0 - cosine) * np.outer(unit, unit)
     return found
+
+
+def cross_matrix(w: Floats) -> Floats:
+    """Return the matrix (3, 3) of x -> w x x."""
+    return cross(w, np.eye(3)).T
 
 
 @lru_cache(maxsize=64)    # called several times in each step
@@ -88,6 +100,11 @@ class Spatial(Motion):
     def placed(self, x: Floats, t: float) -> Floats:
         return _placed(pose_of(self, t), x)
 
+    def taken_back(self, x: Floats, t: float) -> Floats:
+        pose = pose_of(self, t)
+        found: Floats = (np.asarray(x) - pose.shift) @ pose.turn
+        return found
+
     def turned(self, vectors: Floats, t: float) -> Floats:
         found: Floats = np.asarray(vectors) @ pose_of(self, t).turn.T
         return found
@@ -98,12 +115,12 @@ class Spatial(Motion):
 
     def velocity_at(self, x: Floats, t: float) -> Floats:
         pose = pose_of(self, t)
-        found: Floats = pose.speed + np.cross(pose.spin, x)
+        found: Floats = pose.speed + cross(pose.spin, x)
         return found
 
     def acceleration_at(self, x: Floats, t: float) -> Floats:
         pose = pose_of(self, t)
-        found: Floats = pose.acceleration + np.cross(pose.second, x) + np.cross(pose.spin, np.cross(pose.spin, x))
+        found: Floats = pose.acceleration + cross(pose.second, x) + cross(pose.spin, cross(pose.spin, x))
         return found
 
     def acceleration_within(self, x: Floats, t: float) -> Floats:
@@ -121,12 +138,13 @@ def _placed(pose: Pose, x: Floats) -> Floats:
 def corners(lower: Floats, upper: Floats) -> Floats:
     """Return the corners (8, 3) of a box between two corners (3,)."""
     grid = np.meshgrid(*np.stack([lower, upper], axis=1), indexing="ij")
-    return np.stack(grid, axis=-1).reshape(-1, 3)
+    found: Floats = np.stack(grid, axis=-1).reshape(-1, 3)
+    return found
 
 
 def arm(axis: Sequence[float], centre: Sequence[float], lower: Floats, upper: Floats) -> float:
     """Return the greatest distance [m] of points of a box (see `corners`) from an axis through a centre (3,) [m]."""
-    away = np.cross(corners(lower, upper) - np.asarray(centre), unit_vector(tuple(axis), 3))
+    away = cross(corners(lower, upper) - np.asarray(centre), unit_vector(tuple(axis), 3))
     return float(np.linalg.norm(away, axis=1).max())
 
 

@@ -160,7 +160,8 @@ class Combined(Spatial):
         """See Motion: up to `stop`, as periods may differ."""
         own = [part.instants(stop) for part in self.parts]
         period = max(self.longest_step / SHARE, FINE * stop / MOST)
-        return np.unique(np.concatenate([*own, evenly(period, stop), [stop]]))
+        found: Floats = np.unique(np.concatenate([*own, evenly(period, stop), [stop]]))
+        return found
 
     def top_speed(self, lower: Floats, upper: Floats) -> float:
         """See Motion: an upper bound, the sum of those of its parts.
