@@ -16,7 +16,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.records import Cloud
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
-from parisph.methods.spins import add_cross, squared
+from parisph.methods.spins import add_cross, centrifugal
 from parisph.methods.step_state import Preparation, StepState
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -108,13 +108,18 @@ class Flow:
     def bending(self) -> Bending | None:
         """Known second differences of the pressure of unstrained fluid, or None.
 
-        They come from a non-uniform external force, and from vorticity w by rho w^2/2. Those by the inertia of a
-        rotating tank belong to the strain, as water in free flight shows.
+        They come from a non-uniform external force, and from vorticity w: in 2D alike in both directions, by the
+        Laplacian rho w^2/2, in 3D by the force on water that rotates with w/2, which is none along the axis. Those by
+        the inertia of a rotating tank belong to the strain, as water in free flight shows.
         """
         pull = self.pull if self.spin is None else self.step.body_force[:0]
         if not (self.rotational or len(pull) or (self.viscous and self.spin is not None)):
             return None
-        return Bending(0.5 * self.density * squared(self.swirl(self.step.time), self.particles.dim), pull)
+        swirl = self.swirl(self.step.time)
+        if self.particles.dim == 2:
+            return Bending(0.5 * self.density * swirl**2, pull)
+        outwards = self.density * centrifugal(0.5 * swirl, self.particles.x_all)
+        return Bending(np.zeros(len(outwards)), outwards + pull if len(pull) else outwards)
 
     def turn(self, time: float) -> Floats:
         """Return the angular velocity of the tank at a time [s]: in 2D (), in 3D (3,) [rad/s]."""

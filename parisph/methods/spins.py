@@ -21,6 +21,14 @@ def add_cross(out: Floats, spin: Floats, vectors: Floats, factor: float) -> None
         out[:, a] += spin[..., b] * vectors[:, c] - spin[..., c] * vectors[:, b]
 
 
+def centrifugal(spin: Floats, x: Floats) -> Floats:
+    """Return -spin x (spin x x), (n, 3). spin : (3,) or (n, 3) [1/s]; x : (n, 3) [m]"""
+    velocity, found = np.zeros_like(x), np.zeros_like(x)
+    add_cross(velocity, spin, x, 1.0)
+    add_cross(found, spin, velocity, -1.0)
+    return found
+
+
 def squared(spin: Floats, dim: int) -> Floats:
     """Return the square of angular velocities or vorticities, () or (n,) of dim 2, (3,) or (n, 3) of dim 3."""
     found: Floats = np.einsum("...a,...a->...", spin, spin) if dim == 3 else np.asarray(spin**2)
