@@ -123,8 +123,7 @@ def test_a_tank_that_turns_is_computed_alike_as_frame_and_as_walls():
     found = []
     for moving in (False, True):
         tank = Tank(0.8, 0.8, breadth=0.8, lid=True, motion=motion) if moving else Tank(0.8, 0.8, breadth=0.8, lid=True)
-        simulation = simulated(scene(Fluid(Box(0.8, 0.8), 1000.0), None if moving else motion, tank, (0.0, 0.0, -G)),
-                               20)
+        simulation = simulated(scene(Fluid(StillWater(0.8), 1000.0), None if moving else motion, tank), 12)
         fields, t = simulation.gather("kind", "x", "u", "p"), simulation.time
         x, u, p = (fields[name][fields["kind"] == FLUID] for name in ("x", "u", "p"))
         if moving:
@@ -148,8 +147,7 @@ def block(motion, at=(0.3, 0.3), **fields):
 
 def test_the_mesh_of_a_clear_obstacle_turns_with_it():
     motion = Combined([Yaw(0.3, 5.0, centre=MIDDLE, ramp=0.0), Heave(0.01, 3.0)])
-    simulation = simulated(scene(Fluid(StillWater(0.7), 1000.0), None, (TANK, block(motion)), spacing=0.05,
-                                 time_step=0.002, preset="violent"), 3)
+    simulation = simulated(scene(Fluid(StillWater(0.7), 1000.0), None, (TANK, block(motion)), preset="violent"), 2)
     walls = simulation.domain.elements
     own = np.flatnonzero(walls.mesh.body == [body.name for body in walls.mesh.bodies].index("block"))
     np.testing.assert_allclose(walls.x[own], motion.placed(walls.mesh.x0[own], simulation.time), atol=1e-13)
