@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from parisph.base.text import rounded_down, shown
-from parisph.case.bodies import Body, Flap, Piston, Profile, motion_of
+from parisph.case import motion_checks
+from parisph.case.bodies import Body, Flap, Piston, Profile
 from parisph.case.breadth import Spread, section_of
 from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.lattice import FIT
-from parisph.case.motion import Sway, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names, fluid_names
 from parisph.case.sections import bodies_across, cuts
@@ -26,9 +26,10 @@ ACROSS = 1e-9   # of a direction: a smaller part along y is rounding
 def problems(case: Scene) -> list[str]:
     """Return the problems of the dimensions of a case, one line each."""
     if case.breadth is None:
-        return [*_without(case), *_expressions(case), *_directions(case)]
-    found = [*_breadths(case), *_expressions(case), *_ways(case), *_directions(case)]
-    return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_makers(case), *_fluids(case)]
+        return [*_without(case), *_expressions(case), *motion_checks.problems(case), *_directions(case)]
+    found = [*_breadths(case), *_expressions(case), *motion_checks.problems(case), *_directions(case)]
+    return found or [*_narrow(case), *_outside(case)] or [*_near(case), *_makers(case), *_fluids(case),
+                                                          *motion_checks.clearances(case)]
 
 
 def warnings(case: Scene) -> list[str]:
@@ -116,23 +117,6 @@ def _breadths(case: Scene) -> Iterator[str]:
             other = ", or give its ends across=(ya, yb) instead" if isinstance(body, Profile) else ""
             yield (f"walls, {name}: breadth = {own:g}: must be that of the scene, {high - low:g} m; change one of "
                    f"them{other}")
-
-
-def _ways(case: Scene) -> Iterator[str]:
-    """Directions of frames and bodies."""
-    named: list[tuple[str, Body | None]] = [("frame", None), *(
-        (f"walls, {name}: motion", body) for name, body in zip(body_names(case.bodies), case.bodies))]
-    for name, body in named:
-        motion = case.frame if body is None else motion_of(body)
-        if not isinstance(motion, Translation):
-            continue
-        way = motion.direction
-        if isinstance(motion, Sway) and len(way) == 2 and way[1] != 0.0:
-            yield (f"{name}.direction = {shown(way)}: in 3D z is up, and y across; give three components, "
-                   f"{shown((way[0], way[1], 0.0))} across or {shown((way[0], 0.0, way[1]))} upwards")
-        elif body is not None and len(way) == 3 and abs(way[1]) > ACROSS * float(np.linalg.norm(way)):
-            yield (f"{name}.direction = {shown(way)}: a body moves along x and z only so far; give a direction with "
-                   "y = 0, or move the whole tank by frame=")
 
 
 def _narrow(case: Scene) -> Iterator[str]:

@@ -13,7 +13,7 @@ from parisph.case import scenery
 from parisph.case.absorb import Relaxation, Sponge
 from parisph.case.bodies import Obstacle, Plate, StillWater, motion_of
 from parisph.case.expressions import uniform_field
-from parisph.case.motion import AtRest, Heave, Motion, Roll, Series, Sway
+from parisph.case.motion import Angular, AtRest, Combined, Heave, Motion, Series, Sway
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box
@@ -102,15 +102,17 @@ def _sponges(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
 
 def _motions(case: Scene) -> Iterator[str]:
     """Angles probably in degrees, and amplitudes in millimetres."""
-    named = [("frame", case.frame), *((f"walls, {name}: motion", motion_of(body)) for name, body
+    given = [("frame", case.frame), *((f"walls, {name}: motion", motion_of(body)) for name, body
                                       in zip(scenery.body_names(case.bodies), case.bodies))]
+    named = [(name, part) for name, motion in given
+             for part in (motion.parts if isinstance(motion, Combined) else (motion,))]
     gravity = uniform_field(case.gravity)
     g = 0.0 if gravity is None else float(np.linalg.norm(gravity))
     for name, motion in named:
         angle = _angle(motion, name == "frame")
         if angle > FURTHEST:
-            yield (f"{name}: the angle of the Roll reaches {angle:.3g} rad, {math.degrees(angle):.3g} degrees: did you "
-                   f"mean {_radians(motion)}?")
+            yield (f"{name}: the angle of the {type(motion).__name__} reaches {angle:.3g} rad, "
+                   f"{math.degrees(angle):.3g} degrees: did you mean {_radians(motion)}?")
         pull = abs(motion.amplitude) * motion.omega**2 if isinstance(motion, (Sway, Heave)) else 0.0    # [m/s2]
         if 0.0 < HARDEST * g < pull:
             yield (f"{name}: its acceleration reaches {pull:.3g} m/s2, {pull / g:.2g} times gravity: did you mean "
@@ -118,16 +120,16 @@ def _motions(case: Scene) -> Iterator[str]:
 
 
 def _angle(motion: Motion, frame: bool) -> float:
-    """Return the greatest angle [rad] of a Roll that oscillates, else 0: by a Series, a wall may turn without limit."""
-    if not isinstance(motion, Roll):
+    """Return the greatest angle [rad] of an oscillation, else 0: by a Series, a wall may turn without limit."""
+    if not isinstance(motion, Angular):
         return 0.0
     if isinstance(motion.amplitude, Series):
         return float(np.max(np.abs(motion.amplitude.values))) if frame and not motion.amplitude.rate else 0.0
-    return abs(motion.amplitude)
+    return float(abs(motion.amplitude))
 
 
 def _radians(motion: Motion) -> str:
-    assert isinstance(motion, Roll)
+    assert isinstance(motion, Angular)
     if isinstance(motion.amplitude, Series):
         return "degrees, Series(..., scale=radians(1.0))"
     return f"radians({motion.amplitude!r}), {math.radians(motion.amplitude):.3g} rad"

@@ -16,6 +16,7 @@ PLAIN = {           # replaces pydantic's programmers' terms
     "float_type": "a number", "int_type": "a whole number", "int_from_float": "a whole number",
 }
 SHAPES = ("Box", "Disc", "Polygon", "Tank")
+OSCILLATIONS = ("Sway", "Heave", "Roll", "Pitch", "Yaw", "Turn")
 BODIES = ("Obstacle", "Plate", "Profile", "Tank", "Piston", "Flap")
 # Field names of other codes: (classes, names, what parisph has instead)
 MEANT = (
@@ -26,9 +27,11 @@ MEANT = (
      "bodies move only as given, by motion=, and none floats"),
     (BODIES, ("velocity", "speed", "acceleration", "displacement"),
      "bodies move by motion=, such as Sway(...), Heave(...), Roll(...) or Moved(Series(...))"),
-    (("Roll",), ("axis", "yaw", "pitch"), "a Roll turns the section, in 3D about y; pitch and yaw do not exist so far"),
-    (("Sway", "Heave", "Roll"), ("omega", "w"), "give frequency [rad/s] or period [s]"),
-    (("Sway", "Heave", "Roll"), ("stroke",), "give amplitude, half of the stroke"),
+    (("Roll",), ("axis", "yaw", "pitch"),
+     "a Roll turns the section, in 3D about y; Pitch turns about x, Yaw about z, Turn about any axis"),
+    (("Pitch", "Yaw"), ("axis", "direction"), "Pitch turns about x, Yaw about z, and Turn about any axis"),
+    (OSCILLATIONS, ("omega", "w"), "give frequency [rad/s] or period [s]"),
+    (OSCILLATIONS, ("stroke",), "give amplitude, half of the stroke"),
     (("Case",), ("spacing", "preset", "method"), "that is one of numerics=Numerics(...)"),
     (("Fluid",), ("width", "height", "radius", "level", "at"), "that is one of its shape, such as Box(...)"),
 )

@@ -18,7 +18,7 @@ from parisph.case.fluids import Fluid
 from parisph.case.friction import Friction
 from parisph.case.lattice import FIT
 from parisph.case.model import Model, Several
-from parisph.case.motion import AtRest, Frame, Rotation
+from parisph.case.motion import AtRest, Frame
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
 from parisph.case.shapes import Box, Tank
@@ -275,7 +275,7 @@ class Scene(Model):
         It is the force on fluid at rest in this frame. The Coriolis force is a separate part of a method.
         """
         force = self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t)
-        frame = self.frame.acceleration_at(x, t)
+        frame = self.frame.acceleration_within(x, t)
         for axis in range(self.dim):    # numpy is slow along a short last axis
             force[:, axis] -= frame[:, axis]
         return force
@@ -300,16 +300,27 @@ class Scene(Model):
     @property
     def turns(self) -> bool:
         """Whether the tank rotates."""
-        return isinstance(self.frame, Rotation)
+        return self.frame.turns
 
     def start_vorticity(self, fluid: Fluid, x: Floats) -> Floats:
         """Return the absolute vorticity in the section (n,) [1/s] of a body of fluid at the start, at x (n, dim) [m].
 
-        Fluid at rest in a rotating tank rotates with it. In 3D, where fluid does not keep its own, only this counts.
+        Fluid at rest in a rotating tank rotates with it. In 3D, where fluid does not keep its own, only this counts: it
+        is the vorticity along `spin_axis`.
         """
-        own = fluid.start_vorticity(x, self.numerics.spacing) if self.dim == 2 else np.zeros(len(x))
-        return own + 2.0 * self.spin(0.0)
+        if self.dim == 2:
+            return fluid.start_vorticity(x, self.numerics.spacing) + 2.0 * float(self.spin(0.0))
+        return np.full(len(x), 2.0 * float(np.linalg.norm(self.spin(0.0))))
 
-    def spin(self, t: float) -> float:
-        """Return the angular velocity of the tank [rad/s] at t [s], anticlockwise."""
-        return float(self.frame.law(t)[1]) if self.turns else 0.0
+    def spin(self, t: float) -> Floats:
+        """Return the tank's angular velocity [rad/s] at t [s]: () in 2D, anticlockwise; (3,) in its frame in 3D."""
+        if self.dim == 3:
+            return self.frame.spin_within(t)
+        return np.array(self.frame.law(t)[1] if self.turns else 0.0)
+
+    @property
+    def spin_axis(self) -> Floats | None:
+        """Unit vector (3,) of the angular velocity of a 3D tank at the start, None in 2D or without one."""
+        spin = self.spin(0.0)
+        size = float(np.linalg.norm(spin))
+        return spin / size if self.dim == 3 and size else None

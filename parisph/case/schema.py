@@ -16,7 +16,21 @@ from parisph.case.fluids import Fluid
 from parisph.case.friction import Friction
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
-from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, Roll, Series, Sway, Tabulated
+from parisph.case.motion import (
+    AtRest,
+    Combined,
+    FlapStroke,
+    Heave,
+    Moved,
+    PistonStroke,
+    Pitch,
+    Roll,
+    Series,
+    Sway,
+    Tabulated,
+    Turn,
+    Yaw,
+)
 from parisph.case.numerics import Numerics, Output, ResolvedNumerics
 from parisph.case.origin import Origin
 from parisph.case.presets import CLOSED, PRESETS, preset_values
@@ -29,11 +43,11 @@ from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction, TankMode
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "Disc", "Ellipsoid", "Flap", "FlapStroke", "Fluid",
-    "Friction", "Heave", "Jonswap", "Lid", "Moved", "Numerics", "Obstacle", "Output", "PeakBand", "Peaks", "Piston",
-    "PistonStroke", "Plate", "Polygon", "ProbeArray", "Profile", "Profiles", "Relaxation", "Roll", "Series", "Sloshing",
-    "SolitaryWave", "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "Surface", "Sway", "Tabulated",
-    "Tank", "TankMode", "Truth", "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "Combined", "Disc", "Ellipsoid", "Flap", "FlapStroke",
+    "Fluid", "Friction", "Heave", "Jonswap", "Lid", "Moved", "Numerics", "Obstacle", "Output", "PeakBand", "Peaks",
+    "Piston", "PistonStroke", "Pitch", "Plate", "Polygon", "ProbeArray", "Profile", "Profiles", "Relaxation",
+    "Roll", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "StillWater", "Stokes",
+    "StreamFunction", "Surface", "Sway", "Tabulated", "Tank", "TankMode", "Truth", "Turn", "WaveTruth", "Yaw",
 ]
 
 # Context of a validation that checks only names and types, to open an older run that this release would not compute.

@@ -9,12 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.bodies import Body, Flap, Obstacle, Piston, Profile
+from parisph.case.bodies import Body, Obstacle, Profile
 from parisph.case.breadth import Spread, flat
 from parisph.case.ellipsoid import Ellipsoid
 from parisph.case.fluids import Fluid
 from parisph.case.lattice import FIT
-from parisph.case.motion import AtRest, Motion, Rotation, Translation
+from parisph.case.motion import AtRest, Motion, Spatial, Translation, leaves_section
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.case.shapes import ENDS, Box, Shape, Tank
@@ -87,8 +87,10 @@ def in_section(component: float | str, y: float) -> float | str:
 
 
 def projected(motion: Motion) -> Motion:
-    """Return the part in the section of a motion of a 3D scene: at rest for a motion across."""
-    if isinstance(motion, Rotation) or not isinstance(motion, Translation) or len(motion.direction) == 2:
+    """Return the part in the section of a motion of a 3D scene: at rest for one across, or out of the section."""
+    if isinstance(motion, Spatial):
+        return AtRest()
+    if not isinstance(motion, Translation) or len(motion.direction) == 2:
         return motion
     way = flat(motion.direction)
     share = float(np.linalg.norm(way) / np.linalg.norm(motion.direction))
@@ -136,9 +138,7 @@ def _body_in(body: Body) -> Body:
         changes["shape"] = _shape_in(body.shape)
     if isinstance(body, Profile):
         changes["breadth"] = None
-    if not isinstance(body, (Piston, Flap)):
-        changes["motion"] = projected(body.motion)
-    elif body.motion is not None:
+    if body.motion is not None and not leaves_section(body.motion):    # one that does keeps its motion, not its part
         changes["motion"] = projected(body.motion)
     return body.model_copy(update=changes)
 

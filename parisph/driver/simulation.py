@@ -150,7 +150,8 @@ class Simulation:
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     Boundary(elements, s), self.timers,
                     budget=budget, viscosity=case.viscosity, spin=case.spin if case.turns else None,
-                    absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
+                    absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity,
+                    axis=case.spin_axis)
         if start is None:
             solid_walls.fill(case, flow)
         else:

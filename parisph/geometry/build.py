@@ -17,7 +17,8 @@ from parisph.case.bodies import StillWater
 from parisph.case.expressions import uniform_field
 from parisph.case.fluids import Fluid
 from parisph.case.methods import METHODS
-from parisph.case.motion import Motion, Rotation, course
+from parisph.case.motion import Motion, Rotation, course, leaves_section
+from parisph.case.motion.spatial import corners
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Lid, Tank
@@ -219,14 +220,30 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
     part = [0, -1] if case.dim == 3 else slice(None)    # bodies move in the section
     for wall in scene_walls(case):
         x = solid_of(wall).points
+        if leaves_section(wall.motion):
+            continue
         for value in _visited(wall.motion, case.end_time):
             at = wall.motion.placed_by(x, value)
             lower[part], upper[part] = np.minimum(lower[part], at.min(axis=0)), np.maximum(upper[part], at.max(axis=0))
     if case.dim == 3:    # a front is higher than its Profile
-        upper[-1] = max(upper[-1], extruded(case).x0[:, -1].max())
+        mesh = extruded(case)
+        for motion, own in _out_of_section(case, mesh):
+            for time in motion.instants(case.end_time):
+                at = motion.placed(own, float(time))
+                lower, upper = np.minimum(lower, at.min(axis=0)), np.maximum(upper, at.max(axis=0))
+        upper[-1] = max(upper[-1], mesh.x0[:, -1].max())
     if not case.lidded:
         upper[-1] = max(upper[-1], *(highest(case, fluid) for fluid in case.fluids))
     return lower, upper
+
+
+def _out_of_section(case: Scene, mesh: WallMesh) -> Iterator[tuple[Motion, Floats]]:
+    """Yield the motions that leave the section of a 3D scene, each with the corners (8, 3) [m] around its nodes."""
+    motions, number = scene_motions(case), np.array([body.motion for body in mesh.bodies])[mesh.body]
+    for k, motion in enumerate(motions):
+        own = mesh.x0[number == k]
+        if len(own) and leaves_section(motion):
+            yield motion, corners(own.min(axis=0), own.max(axis=0))
 
 
 def _visited(motion: Motion, stop: float) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats, Ints
 from parisph.case.bodies import Plate, Profile
-from parisph.case.motion import AtRest, Motion, Rotation, course
+from parisph.case.motion import AtRest, Motion, Rotation, course, leaves_section
 from parisph.geometry.columns import meet
 from parisph.geometry.distance import across, nearest, unit_normals
 from parisph.geometry.solid import Solid, Wall, solid_of
@@ -47,6 +47,8 @@ def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: floa
     for one, wall in enumerate(walls):
         for other, beside in enumerate(walls):
             if wall.motion == beside.motion or isinstance(wall.motion, AtRest):
+                continue
+            if leaves_section(wall.motion) or leaves_section(beside.motion):    # see case.motion_checks
                 continue
             if isinstance(beside.motion, AtRest) or one < other:
                 pair = _Pair(wall, beside, spacing, stop)

@@ -40,7 +40,7 @@ class Rim:
     def out(self, x: Floats, t: float) -> tuple[Flags, Flags]:
         """Return which points x (n, dim) [m] have left over the rim at a time [s], and which are lost behind a wall."""
         if not isinstance(self.motion, AtRest):    # to the frame of the container
-            x = self.motion.placed_by(x, -self.motion.law(t)[0])
+            x = self.motion.taken_back(x, t)
         if self._within(x):    # most steps
             return np.zeros(len(x), bool), np.zeros(len(x), bool)
         up = x[:, -1]

@@ -16,6 +16,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.records import Cloud
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
+from parisph.methods.spins import add_cross, centrifugal
 from parisph.methods.step_state import Preparation, StepState
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -34,12 +35,13 @@ class Flow:
     density : [kg/m^3]; viscosity : kinematic [m^2/s]
     body : callable (x (n, dim), t) -> (n, dim), read-only, the body force per unit mass in the tank's frame [m/s^2]
     particles, domain, walls, timers : of this run; walls are a methods.boundary.Boundary
-    spin : callable t -> angular velocity of the tank [rad/s], or None
+    spin : callable t -> angular velocity of the tank, in 2D () and in 3D (3,) [rad/s], or None
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     friction : case.friction.Friction, or None
     wave_time : sqrt(s/g), the time scale of the shortest waves on the lattice [s]
     vorticity : initial vorticity of the fluid in the room if it is uniform, else 0 [1/s]; the field swirl, if the scene
-        has vorticity, holds that of each particle
+        has vorticity, holds that of each particle. In 3D both are along `axis`, and the attribute is the vector (3,)
+    axis : unit vector (3,) of the vorticity in 3D, None if there is none
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -60,15 +62,18 @@ class Flow:
 
     def __init__(self, numerics: ResolvedNumerics, density: float, body: Callable[[Floats, float], Floats],
                  particles: Particles, domain: Domain, walls: Any, timers: Timers,
-                 budget: Budget | None = None, viscosity: float = 0.0, spin: Callable[[float], float] | None = None,
+                 budget: Budget | None = None, viscosity: float = 0.0, spin: Callable[[float], Floats] | None = None,
                  absorb: Callable[[Floats, float], tuple[Floats, Floats]] | None = None,
-                 friction: Friction | None = None, wave_time: float = np.inf, vorticity: float = 0.0) -> None:
+                 friction: Friction | None = None, wave_time: float = np.inf, vorticity: float = 0.0,
+                 axis: Floats | None = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.budget, self.spin, self.absorb = budget or NoBudget(), spin, absorb
-        self.friction, self.wave_time, self.vorticity = friction, wave_time, vorticity
+        self.friction, self.wave_time, self.axis = friction, wave_time, axis
+        self.vorticity: Floats = np.asarray(vorticity if axis is None else vorticity * axis)
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
+        self._still: Floats = np.zeros(3 if particles.dim == 3 else ())    # no angular velocity
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
         carried = particles.fields
         self._cloud = self.particles.cloud(domain.indptr, domain.indices, self.spacing)
@@ -103,17 +108,22 @@ class Flow:
     def bending(self) -> Bending | None:
         """Known second differences of the pressure of unstrained fluid, or None.
 
-        They come from a non-uniform external force, and from vorticity w by rho w^2/2. Those by the inertia of a
-        rotating tank belong to the strain, as water in free flight shows.
+        They come from a non-uniform external force, and from vorticity w: in 2D alike in both directions, by the
+        Laplacian rho w^2/2, in 3D by the force on water that rotates with w/2, which is none along the axis. Those by
+        the inertia of a rotating tank belong to the strain, as water in free flight shows.
         """
         pull = self.pull if self.spin is None else self.step.body_force[:0]
         if not (self.rotational or len(pull) or (self.viscous and self.spin is not None)):
             return None
-        return Bending(0.5 * self.density * self.swirl(self.step.time)**2, pull)
+        swirl = self.swirl(self.step.time)
+        if self.particles.dim == 2:
+            return Bending(0.5 * self.density * swirl**2, pull)
+        outwards = self.density * centrifugal(0.5 * swirl, self.particles.x_all)
+        return Bending(np.zeros(len(outwards)), outwards + pull if len(pull) else outwards)
 
-    def turn(self, time: float) -> float:
-        """Return the angular velocity of the tank at a time [s]: [rad/s]."""
-        return 0.0 if self.spin is None else self.spin(time)
+    def turn(self, time: float) -> Floats:
+        """Return the angular velocity of the tank at a time [s]: in 2D (), in 3D (3,) [rad/s]."""
+        return self._still if self.spin is None else self.spin(time)
 
     @property
     def cloud(self) -> Cloud:
@@ -157,21 +167,21 @@ class Flow:
         elements = self.walls.elements
         shear = -elements.of_particles(elements.turn, p) if elements.moving else np.zeros_like(p.u)
         turn = 2.0 * self.turn(time) - self.swirl(time)[:p.n_owned]
-        if np.any(turn):    # numpy is slow along a short last axis
-            shear[:, 0] += turn * p.normal[:, -1]
-            shear[:, -1] -= turn * p.normal[:, 0]
+        if np.any(turn):
+            add_cross(shear, turn, p.normal, -1.0)
         return shear
 
     def swirl(self, time: float) -> Floats:
-        """Return the vorticity (n_all,) [1/s] of particles in the room at a time [s]. Not collective.
+        """Return the vorticity of particles in the room at a time [s]: (n_all,), in 3D (n_all, 3) [1/s].
 
-        Owned walls have that of the fluid beside them. Viscous fluid is taken to rotate with its tank.
+        Owned walls have that of the fluid beside them. Viscous fluid is taken to rotate with its tank. Not collective.
         """
         p = self.particles
         if not self.rotational:
-            return np.full(p.n_all, 2.0 * self.turn(time) if self.viscous else 0.0)
+            shape = p.n_all if p.dim == 2 else (p.n_all, 3)
+            return np.full(shape, 2.0 * self.turn(time) if self.viscous else self._still)
         gradient.mean_beside_walls(p.swirl_all, self.cloud, lengths.WALL * self.spacing)
-        return p.swirl_all
+        return p.swirl_all if self.axis is None else p.swirl_all[:, None] * self.axis
 
     def close_pairs(self, distance: float) -> Cloud:
         """Return the cloud of fluid pairs within a distance [spacings], kernels.pairs.close_pairs. Not collective.

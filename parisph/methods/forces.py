@@ -11,6 +11,7 @@ from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetne
 from parisph.kernels.records import Walls
 from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, SURFACES, ForceTerm
+from parisph.methods.spins import add_cross
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -37,7 +38,7 @@ class Coriolis(ForceTerm):
     That is u + dt/2 a, with the acceleration a of the last step. It is of second order both for water in free flight,
     whose speed it keeps, and for water in which pressure balances the force. A rotation of u by -2 Omega dt would be
     exact for the former and shrink the latter by cos(2 Omega dt) in each step, as pressure removes the component normal
-    to u. At walls, the velocity is that of the water along them. In 3D the tank turns in its section.
+    to u. At walls, the velocity is that of the water along them.
     """
 
     name, source, reach, only, words = "coriolis", "", lengths.WALL, "turning", "Coriolis force"
@@ -50,9 +51,7 @@ class Coriolis(ForceTerm):
         gradient.wall_velocity(p.halfway_all, flow.cloud, np.zeros_like(p.u), flow.wall_shear(time),
                                lengths.WALL * flow.spacing)
         d.update("halfway")
-        spin = flow.turn(time)
-        out[:, 0] += 2.0 * spin * p.halfway_all[:, -1]
-        out[:, -1] -= 2.0 * spin * p.halfway_all[:, 0]
+        add_cross(out, flow.turn(time), p.halfway_all, -2.0)
 
 
 class Viscous(ForceTerm):

@@ -11,6 +11,7 @@ from parisph.kernels.harmonic import Slopes
 from parisph.kernels.potential_fit import Potential, fit_potential
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
+from parisph.methods.spins import add_cross, gradient_of
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -28,20 +29,20 @@ def find(flow: "Flow") -> Potential:
     p = flow.particles
     u = p.u_all
     spin = turning_rate(flow)
-    if spin:
-        turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
+    if np.any(spin):
+        turning = np.zeros_like(u)
+        add_cross(turning, spin, p.x_all, 1.0)
         u = u + turning
     found = Potential(np.empty_like(p.u), np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned))
     across = Slopes(movement.along(p.normal_all, u), flow.walls.known_slopes(flow))
     fit_potential(found, flow.cloud, u, across, lengths.WALL * flow.spacing)
-    if spin:
-        found.gradient[:, 0, 1] += spin
-        found.gradient[:, 1, 0] -= spin
+    if np.any(spin):
+        np.subtract(found.gradient, gradient_of(spin, p.dim), out=found.gradient)
     return found
 
 
-def turning_rate(flow: "Flow") -> float:
-    """Return the angular velocity [rad/s] of the tank relative to that of the fluid by `Flow.vorticity`."""
+def turning_rate(flow: "Flow") -> Floats:
+    """Return the angular velocity, () or (3,) [rad/s], of the tank relative to the fluid's by `Flow.vorticity`."""
     return flow.turn(flow.step.time) - 0.5 * flow.vorticity
 
 

@@ -18,6 +18,7 @@ from parisph.methods.guesses import Guesses
 from parisph.methods.last_waves import LastWaves
 from parisph.methods.reports import ProjectionReport
 from parisph.methods.sliding import write_wall_velocity
+from parisph.methods.spins import squared
 from parisph.methods.step_state import StepState
 from parisph.methods.stepping import SHORT, STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
@@ -294,7 +295,7 @@ class Projection:
             flow.domain.update("laplacian")
             curvature.continue_laplacian(p.laplacian_all, flow.cloud, lengths.WALL * flow.spacing)
         if fit is not None:
-            p.laplacian -= flow.density * (fit.square - 2.0 * potential.turning_rate(flow)**2)
+            p.laplacian -= flow.density * (fit.square - 2.0 * squared(potential.turning_rate(flow), p.dim))
 
     def _balance_walls(self, right: Floats, moved: Floats | None) -> None:
         """Make wall rows that are not normal derivatives exact for water that moves with the wall.

@@ -9,7 +9,8 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.case.expressions import uniform_field
-from parisph.case.motion import AtRest, Motion, Rotation
+from parisph.case.motion import AtRest, Motion, Rotation, Spatial, leaves_section
+from parisph.case.motion.spatial import pose_of
 from parisph.case.schema import Case
 
 TANK, WORLD = "tank", "world"
@@ -33,6 +34,9 @@ class PictureFrame:
         """Return the frame "tank" or "world" of a case. Raises CaseError for another word."""
         if frame not in (TANK, WORLD):
             raise CaseError(f"--frame {frame}: must be {TANK} or {WORLD}")
+        if frame == WORLD and case.dim == 3 and leaves_section(case.frame):
+            raise CaseError(f"--frame {WORLD}: the tank moves out of the plane of the picture ({case.frame.kind}); use "
+                            f"--frame {TANK}")
         return cls(case.frame, frame == WORLD, uniform_field(case.gravity), case.dim)
 
     @property
@@ -65,6 +69,9 @@ class PictureFrame:
         """Return the frame and the place of the tank at a time [s] as text; "" for a tank at rest."""
         if isinstance(self.motion, AtRest):
             return ""
+        if isinstance(self.motion, Spatial):
+            turn = np.clip(0.5 * (np.trace(pose_of(self.motion, time).turn) - 1.0), -1.0, 1.0)
+            return f"tank's frame, turned {np.rad2deg(np.arccos(turn)):.1f}\N{DEGREE SIGN}"
         value = self.motion.law(time)[0]
         if isinstance(self.motion, Rotation):
             angle = np.rad2deg(value)

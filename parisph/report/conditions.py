@@ -132,6 +132,8 @@ def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
         given["amplitude"] = "rad"
     for key, unit in given.items():
         yield f"{name}, {key}", number(case, CASE, [*place, key], ".6g", unit)
+    for k, part in enumerate(what.get("parts") or ()):    # of several motions
+        yield from _moves(case, [*place, "parts", k], part, f"{name}, part {k + 1}")
     if isinstance(what.get("wave"), dict):    # of a stroke
         yield from _moves(case, [*place, "wave"], what["wave"], f"wave of the {name}")
     length = _length(what)

@@ -291,7 +291,7 @@ def across(*ends, at=0.5, name="", **others):
                           Fluid(Box(0.5, 0.5, breadth=0.4, at=(0.2, 0.41, 0.0)), 1000.0)]),
      "fluid[1] and fluid[0]: they are 0.01 m apart across, 0.18 spacings; let them touch, leave a spacing between"),
     (lambda: scene(TANK, Fluid(Box(0.5, 0.5, breadth=0.04), 1000.0)), "fluid.shape: is 0.04 m broad, 0.73 spacings"),
-    (lambda: Roll(0.1, 2.0, axis="x"), "Roll has no field 'axis'; a Roll turns the section, in 3D about y; pitch and"),
+    (lambda: Roll(0.1, 2.0, axis="x"), "Roll has no field 'axis'; a Roll turns the section, in 3D about y; Pitch t"),
     (lambda: scene((TANK, Piston(0.5, motion=Sway(0.1, 3.0), across=(0.0, 0.6), name="maker")), STILL),
      "walls, maker: a wavemaker has no fluid behind it, and beside this one, from y = 0.6 to 1, fluid would come"),
     (lambda: scene(spacing=2e-6), "of memory; at most 2.1e+09 can be numbered"),

@@ -151,52 +151,22 @@ class Heave(_Harmonic):
     ramp: Ramp = None
 
 
-class Roll(_Oscillation, Rotation):
-    """A roll about `centre`: harmonic, amplitude sin(frequency t), or a measured one.
-
-    amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is accepted too
-    frequency : angular [rad/s], or `period` [s], of a harmonic roll
-    centre : (x, y) [m]; in 3D (x, z), as the section turns
-    ramp : [s] in which a harmonic roll grows to its amplitude; default one period, 0 for a sudden start
-
-    >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
-    0.070 rad
-    >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
-    """
-
-    kind: Literal["roll"] = Field(default="roll", init=False)
-    amplitude: Amount = Field(description="amplitude [rad], or a Series")
-    frequency: Frequency = None
-    centre: Centre = (0.0, 0.0)
-    ramp: Ramp = None
-    period: Period = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _amplitude_or_angle(cls, data: Any) -> Any:
-        if isinstance(data, dict) and "angle" in data:
-            if "amplitude" in data:
-                raise ValueError("angle is the earlier name of amplitude; give one of the two")
-            return {"amplitude" if name == "angle" else name: value for name, value in data.items()}
-        return data
+class Angular(_Oscillation):
+    """An angle about an axis: harmonic, amplitude sin(frequency t), or a measured one."""
 
     @model_validator(mode="after")
-    def _harmonic_or_measured(self) -> "Roll":
+    def _harmonic_or_measured(self) -> "Self":
         if isinstance(self.amplitude, Series):
             given = [name for name in ("period", "frequency", "ramp") if getattr(self, name) is not None]
             if given:
                 raise ValueError(
-                    f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic roll; leave it out with a Series"
+                    f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic {type(self).__name__.lower()}; "
+                    "leave it out with a Series"
                 )
         else:
             self._check_frequency("frequency is missing: give the angular frequency [rad/s], or period [s], or a "
                                   "Series as amplitude")
         return self
-
-    @property
-    def angle(self) -> Amount:
-        """Its amplitude, under an earlier name."""
-        return self.amplitude
 
     def _wave(self, t: float) -> Law:
         a, w = cast(float, self.amplitude), self.omega
@@ -222,6 +192,41 @@ class Roll(_Oscillation, Rotation):
 
     def instants(self, stop: float) -> Floats:
         return self.amplitude.instants(stop) if isinstance(self.amplitude, Series) else super().instants(stop)
+
+
+class Roll(Angular, Rotation):
+    """A roll about `centre`: harmonic, amplitude sin(frequency t), or a measured one.
+
+    amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is accepted too
+    frequency : angular [rad/s], or `period` [s], of a harmonic roll
+    centre : (x, y) [m]; in 3D (x, z), as the section turns: about y, with angles positive from x to z
+    ramp : [s] in which a harmonic roll grows to its amplitude; default one period, 0 for a sudden start
+
+    >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
+    0.070 rad
+    >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
+    """
+
+    kind: Literal["roll"] = Field(default="roll", init=False)
+    amplitude: Amount = Field(description="amplitude [rad], or a Series")
+    frequency: Frequency = None
+    centre: Centre = (0.0, 0.0)
+    ramp: Ramp = None
+    period: Period = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _amplitude_or_angle(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "angle" in data:
+            if "amplitude" in data:
+                raise ValueError("angle is the earlier name of amplitude; give one of the two")
+            return {"amplitude" if name == "angle" else name: value for name, value in data.items()}
+        return data
+
+    @property
+    def angle(self) -> Amount:
+        """Its amplitude, under an earlier name."""
+        return self.amplitude
 
 
 class Moved(Translation):

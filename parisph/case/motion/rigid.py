@@ -3,7 +3,8 @@
 A motion moves the tank, in whose frame the flow is computed, or a wall in the frame of the scene. Motions are data, so
 a stored run can continue without its script. Angles are positive anticlockwise [rad].
 
-In 3D a direction of two components (a, b) is one of the section, (a, 0, b), and bodies turn in the section (x, z).
+In 3D a direction of two components (a, b) is one of the section, (a, 0, b), and a Rotation turns the section (x, z).
+See spatial.py for other axes.
 """
 
 from abc import abstractmethod
@@ -22,16 +23,17 @@ SHARE = 1 / 50    # of the period of a motion: the longest adaptive time step
 FINE = 100        # samples in a period, for the range of a motion
 
 
-def _not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
+def not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
+    """Return a direction. Raises ValueError if it has no length."""
     if np.linalg.norm(direction) < SMALLEST:
-        raise ValueError(f"{shown(direction)} must not be zero; give for example (1, 0)")
+        raise ValueError(f"{shown(direction)} must not be zero; give for example (1, 0{', 0' * (len(direction) - 2)})")
     return direction
 
 
 Direction = Annotated[
     tuple[float, ...],
     Field(min_length=2, max_length=3, description="direction of the motion, (x, y), in 3D (x, y, z) or (x, z)"),
-    AfterValidator(_not_zero),
+    AfterValidator(not_zero),
 ]
 Centre = Annotated[
     tuple[float, ...], Field(min_length=2, max_length=2, description="centre (x, y) of the rotation, in 3D (x, z) [m]")
@@ -39,7 +41,7 @@ Centre = Annotated[
 
 
 @lru_cache(maxsize=64)    # called several times in each step
-def _unit_vector(direction: tuple[float, ...], dim: int) -> Floats:
+def unit_vector(direction: tuple[float, ...], dim: int) -> Floats:
     """Return the read-only unit vector (dim,) of a nonzero direction."""
     unit: Floats = np.array(direction) / float(np.linalg.norm(direction))
     if len(unit) < dim:
@@ -50,6 +52,10 @@ def _unit_vector(direction: tuple[float, ...], dim: int) -> Floats:
 
 class Motion(Model):
     """The motion of a rigid body by a law of time: a displacement along a direction, or an angle about a centre."""
+
+    if TYPE_CHECKING:    # a field of each subclass
+        @property
+        def kind(self) -> str: ...
 
     @abstractmethod
     def law(self, t: float) -> tuple[float, float, float]:
@@ -67,6 +73,10 @@ class Motion(Model):
         """Return the positions (n, dim) [m] at time t [s] of points that are at x (n, dim) [m] in the body at rest."""
         return self.placed_by(x, self.law(t)[0])
 
+    def taken_back(self, x: Floats, t: float) -> Floats:
+        """Return the positions (n, dim) [m] in the body at rest of points that are at x (n, dim) [m] at time t [s]."""
+        return self.placed_by(x, -self.law(t)[0])
+
     @abstractmethod
     def turned(self, vectors: Floats, t: float) -> Floats:
         """Return vectors (n, dim) of the body at rest, such as normals, turned to time t [s]."""
@@ -79,8 +89,25 @@ class Motion(Model):
     def acceleration_at(self, x: Floats, t: float) -> Floats:
         """Return the acceleration (n, dim) [m/s2] of the body's points that are at x (n, dim) [m] at time t [s].
 
-        With x and components in the frame of the body, it is minus the inertial force per mass at rest in this frame.
+        x and the components are in the fixed frame.
         """
+
+    def acceleration_within(self, x: Floats, t: float) -> Floats:
+        """Return the acceleration (n, dim) [m/s2] of points of the body in its frame, where they are at x (n, dim) [m].
+
+        It is minus the inertial force per mass of what rests in this frame. Of a translation or a rotation about a
+        fixed axis it is the same function as `acceleration_at`.
+        """
+        return self.acceleration_at(x, t)
+
+    @property
+    def turns(self) -> bool:
+        """Whether the body turns."""
+        return False
+
+    def spin_within(self, t: float) -> Floats:
+        """Return the angular velocity (3,) [rad/s] at time t [s], in the frame of the body and in 3D."""
+        return np.zeros(3)
 
     @abstractmethod
     def seen(self, vectors: Floats, t: float) -> Floats:
@@ -117,7 +144,7 @@ class Translation(Motion):
 
     def _along(self, value: float, x: Floats) -> Floats:
         """Return the vector (dim,) of a length `value`. x : points (n, dim)"""
-        return _unit_vector(self.direction, np.shape(x)[-1]) * value
+        return unit_vector(self.direction, np.shape(x)[-1]) * value
 
     def placed_by(self, x: Floats, value: float) -> Floats:
         return x + self._along(value, x)
@@ -145,6 +172,13 @@ class Rotation(Motion):
     if TYPE_CHECKING:    # see Translation
         @property
         def centre(self) -> tuple[float, ...]: ...
+
+    @property
+    def turns(self) -> bool:
+        return True
+
+    def spin_within(self, t: float) -> Floats:
+        return np.array([0.0, -self.law(t)[1], 0.0])    # from x to z
 
     def placed_by(self, x: Floats, value: float) -> Floats:
         return self._on_axis(x) + rotated(self._from_axis(x), value)
