@@ -10,6 +10,7 @@ from parisph import (
     Disc,
     Fluid,
     Heave,
+    Moved,
     Obstacle,
     Pitch,
     Roll,
@@ -118,24 +119,23 @@ def test_the_coriolis_force_is_that_of_the_angular_velocity():
 # -- walls ----------------------------------------------------------------------------------
 
 def test_a_tank_that_turns_is_computed_alike_as_frame_and_as_walls():
-    """Water of a full tank that starts to yaw and sway stays at rest in space, but for what the walls push."""
-    motion = Combined([Yaw(0.1, 6.0, centre=MIDDLE), Pitch(0.05, 5.0, centre=MIDDLE), Sway(0.01, 6.0)])
-    found = []
-    for moving in (False, True):
-        tank = Tank(0.8, 0.8, breadth=0.8, lid=True, motion=motion) if moving else Tank(0.8, 0.8, breadth=0.8, lid=True)
-        simulation = simulated(scene(Fluid(StillWater(0.8), 1000.0), None if moving else motion, tank), 12)
+    """A full tank that yaws, pitches and sways. Measured: velocities within 1.2 %, pressures 2.7 %, here 1.7 % with a
+    quarter of the step."""
+    motion = Combined([Yaw(0.4, 6.0, centre=MIDDLE, ramp=0.1), Pitch(0.3, 5.0, ramp=0.1), Sway(0.05, 6.0, ramp=0.1)])
+    found, lidded = [], Tank(0.8, 0.8, breadth=0.8, lid=True)
+    for frame, tank in ((motion, lidded), (None, lidded.model_copy(update={"motion": motion}))):
+        simulation = simulated(scene(Fluid(StillWater(0.8), 1000.0), frame, tank, (0.0, 0.0, 0.0)), 12)
         fields, t = simulation.gather("kind", "x", "u", "p"), simulation.time
         x, u, p = (fields[name][fields["kind"] == FLUID] for name in ("x", "u", "p"))
-        if moving:
+        if frame is None:
             np.testing.assert_allclose(fields["x"][fields["kind"] == WALL].mean(axis=0),
                                        motion.placed(np.array([MIDDLE]), t)[0], atol=1e-9)
             x, u = motion.taken_back(x, t), motion.seen(u - motion.velocity_at(x, t), t)
         found.append((x, u, p - p.mean()))
     (x, u, p), (x_walls, u_walls, p_walls) = found
-    speed = np.abs(u).max()
-    assert speed > 1e-3
-    assert np.abs(u_walls - u).max() < 0.05 * speed and np.abs(x_walls - x).max() < 1e-4
-    assert np.abs(p_walls - p).max() < 0.01 * np.ptp(p)
+    assert np.abs(u).max() > 1.0
+    assert np.abs(u_walls - u).max() < 0.03 * np.abs(u).max() and np.abs(x_walls - x).max() < 5e-4
+    assert np.abs(p_walls - p).max() < 0.05 * np.ptp(p)
 
 
 BLOCK = dict(name="block", across=(0.3, 0.5))
@@ -157,7 +157,10 @@ def test_the_mesh_of_a_clear_obstacle_turns_with_it():
 
 
 def test_cases_with_motions_in_space_are_stored():
-    for frame, walls in ((FRAMES[3], TANK), (Combined([Roll(0.1, 3.0), Yaw(0.1, 2.0), Heave(0.1, 3.0)]), TANK),
+    wavy = Series(times=tuple(0.2 * k for k in range(16)), values=tuple(0.1 * np.sin(0.4 * k)**2 for k in range(16)))
+    measured = Combined([Roll(wavy), Pitch(wavy), Yaw(wavy), Moved(wavy, (0.0, 1.0, 0.0))])
+    for frame, walls in ((FRAMES[3], TANK), (measured, TANK),
+                         (Combined([Roll(0.1, 3.0), Yaw(0.1, 2.0), Heave(0.1, 3.0)]), TANK),
                          (None, (Tank(0.8, 1.0, breadth=0.8), block(Yaw(0.1, 2.0, centre=MIDDLE))))):
         case = scene(Fluid(StillWater(0.3), 1000.0), frame, walls, spacing=0.05)
         assert from_json(to_json(case)) == case

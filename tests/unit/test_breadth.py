@@ -281,8 +281,8 @@ def across(*ends, at=0.5, name="", **others):
      "frame.direction = (1.0, 1.0): in 3D z is up, and y across; give three components, (1.0, 1.0, 0.0) across or "
      "(1.0, 0.0, 1.0) upwards"),
     (lambda: scene((TANK, across(0.2, 0.6, name="m", motion=Sway(0.1, 2.0, direction=(0.0, 1.0, 0.0))))),
-     "walls, m: motion.direction = (0.0, 1.0, 0.0): a body moves along x and z only so far; give a direction with "
-     "y = 0, or move the whole tank by frame="),
+     "walls, m: motion = sway: the box around it comes within 0 m of tank, must stay 0.11 m clear, 2 spacings, as it "
+     "leaves its section; move it away from there, move it less far, or make it smaller"),
     (lambda: scene(TANK, Fluid(Box(1.0, 0.5, breadth=0.6, at=(0.0, 0.5, 0.0)), 1.0)),
      "fluid.shape: reaches across from y = 0.5 to 1.1: must lie within the scene, from 0 to 1"),
     (lambda: scene(Tank(3.22, 1.0), frame=Sway(0.1, 2.0, direction=(1.0, 0.0, 0.0))),

@@ -100,10 +100,10 @@ class Turn(_Turning):
     kind: Literal["turn"] = Field(default="turn", init=False)
     amplitude: Amount = Field(description="amplitude [rad], or a Series")
     frequency: Frequency = None
-    axis: Axis = Field(kw_only=True)
     centre: Pivot = (0.0, 0.0, 0.0)
     ramp: Ramp = None
     period: Period = None
+    axis: Axis = Field(kw_only=True)
 
 
 Part = Annotated[
