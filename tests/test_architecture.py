@@ -22,11 +22,14 @@ ONLY_IN = {
                "doctor", "ranks", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
-    "scipy": ("geometry.triangles", "geometry.surface_checks"),
+    "scipy": ("geometry.triangles", "geometry.surface_checks", "pictures.water"),
     "trimesh": ("geometry.surface_files",),
     "manifold3d": ("geometry.room",),
     "pymeshlab": ("geometry.room", "geometry.surface_files"),
     "matplotlib": ("pictures", "study"),
+    "pyvista": ("pictures.rendering",),
+    "vtkmodules": ("pictures.rendering",),
+    "pysplashsurf": ("pictures.water",),
 }
 WHOLE_WORLD = "COMM_WORLD"
 WHOLE_WORLD_IN = ("ranks", "__main__", "parallel.petsc")    # PETSc starts on all ranks together

@@ -22,8 +22,8 @@ from parisph.driver.overflow import OpenTank, Overflow
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.geometry import build
 from parisph.io import room_file
-from parisph.io.cells import WallCells
 from parisph.io.checkpoint import Checkpoint
+from parisph.io.wall_cells import WallCells
 from parisph.kernels import selfcheck
 from parisph.methods import written
 from parisph.methods.boundary import Boundary

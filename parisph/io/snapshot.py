@@ -2,8 +2,8 @@
 
 Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one piece, which VTK reads since 9.1
 (PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle, in 3D the triangles of the walls with the
-number of their body in /VTKHDF/CellData/body (parisph.io.cells), /VTKHDF/PointData/<name>, /VTKHDF/FieldData/TimeValue
-and Step. In 2D the third component is zero. Attributes of the root: case (JSON), method,
+number of their body in /VTKHDF/CellData/body (parisph.io.wall_cells), /VTKHDF/PointData/<name>,
+/VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero. Attributes of the root: case (JSON), method,
 versions and so on. After the HDF5 part there is a digest (parisph.io.digest).
 """
 
@@ -22,10 +22,10 @@ from parisph.base.fields import FIELDS
 from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
-from parisph.io.cells import WallCells, cells
 from parisph.io.files import read_json, write_json
 from parisph.io.slabs import Slab
 from parisph.io.views import Snapshot
+from parisph.io.wall_cells import WallCells, cells
 
 # Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}

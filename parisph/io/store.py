@@ -18,12 +18,12 @@ from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.io import checkpoint, snapshot
 from parisph.io import folder as folders
-from parisph.io.cells import WallCells
 from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
 from parisph.io.series import SeriesFile, read_own, units
 from parisph.io.snapshot import Written
+from parisph.io.wall_cells import WallCells
 from parisph.parallel.particles import Particles
 
 
@@ -35,7 +35,7 @@ class Store:
     run : identity of the run, which is written to all its files
     about : how the run is made; written to all later files
     times : [s], of the snapshots written so far (on rank 0 only)
-    walls : triangles of the walls for snapshots (io.cells), None for none
+    walls : triangles of the walls for snapshots (io.wall_cells), None for none
     notes : (level of the log, text) of changes to the folder before the run continues, for the log of rank 0
     """
 

@@ -5,7 +5,6 @@ from importlib import import_module
 from types import ModuleType
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from parisph.base.arrays import Floats, Ints
 
@@ -46,6 +45,8 @@ def surface(x: Floats, spacing: float, box: tuple[Floats, Floats] | None) -> tup
 
 def spread(points: Floats, x: Floats, values: Floats) -> Floats:
     """Return values (n,) at points (n, 3) [m]: means over near particles at x (k, 3) [m], weighted by distance^-2."""
+    from scipy.spatial import cKDTree
+
     if not len(x):
         return np.zeros(len(points))
     many = min(NEAR, len(x))

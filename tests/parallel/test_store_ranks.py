@@ -15,8 +15,8 @@ from mpi4py import MPI
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.io import checkpoint, digest, files, slabs, snapshot
-from parisph.io.cells import WallCells
 from parisph.io.store import Store
+from parisph.io.wall_cells import WallCells
 from parisph.parallel.particles import Particles
 from tests.owned_rows import OwnedRows, everything
 

@@ -16,9 +16,9 @@ import pytest
 from mpi4py import MPI
 
 from parisph.io import snapshot
-from parisph.io.cells import WallCells
 from parisph.io.layout import INDEX
 from parisph.io.store import Store
+from parisph.io.wall_cells import WallCells
 from tests.launch import run
 from tests.owned_rows import OwnedRows
 
