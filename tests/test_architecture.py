@@ -22,7 +22,7 @@ ONLY_IN = {
                "doctor", "ranks", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
-    "scipy": ("geometry.triangles", "geometry.surface_checks", "pictures.water"),
+    "scipy": ("geometry.triangles", "geometry.surface_checks", "methods.surface_load", "pictures.water"),
     "trimesh": ("geometry.surface_files",),
     "manifold3d": ("geometry.room",),
     "pymeshlab": ("geometry.room", "geometry.surface_files"),
