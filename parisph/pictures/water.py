@@ -8,7 +8,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats, Ints
 
-# Of the reconstruction (Loeschner et al. 2023, Sec. 4: two to four particle radii, and cubes of about half of one).
+# Of the reconstruction; chosen by eye, for pictures only: no result depends on them.
 SMOOTH = 2.0    # smoothing length in radii of particles, which are half a spacing
 CUBE = 0.7      # cubes of the grid, in radii
 LEVEL = 0.6     # of the colour function on the surface; it is 1 inside and .3 at a particle alone
