@@ -31,6 +31,9 @@ class Surface(Model):
 
     file : path, relative to the case file
     digest : of the content of the file, found when the case is made
+
+    >>> Surface("bed.stl", scale=0.001, name="bed").slip
+    'free'
     """
 
     kind: Literal["surface"] = Field(default="surface", init=False)

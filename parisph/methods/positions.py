@@ -28,8 +28,8 @@ NEAR_SURFACE = 2.0    # tuned 1 to 4: distance from the surface within which a s
 # Close pairs; lengths in spacings.
 TURN_WITHIN = 0.7    # tuned 0.35 to 1: distance of inner pairs that rotate; judged
 # A lattice collapses within a few long steps, at the full strength of the shift.
-TURNS = 3.0     # tuned 1.5 to 6: longest rotating move over that at the full strength of the shift; measured
-TURN = CAP / TURNS
+TURN = 0.05     # tuned 0.025 to 0.1: rotating move at the full strength of the shift, in spacings; judged
+TURNS = 3.0     # tuned 1.5 to 6: largest multiple of this move in a step; measured
 PART_WITHIN = 0.6    # tuned 0.3 to 1: distance of pairs without pressure that separate; judged
 PART = 0.5      # tuned 0.25 to 1: fraction of the missing distance by which they separate; judged
 CLOSE = max(TURN_WITHIN, PART_WITHIN)

@@ -101,7 +101,7 @@ def test_no_surface_is_only_for_a_full_tank():
 def test_rules_that_divide_the_plane_are_for_two_dimensions(rule):
     parts = catalogue.Parts.of(scene("dam_break", surface_rule=rule).complete_numerics())
     parts.check(2)
-    if rule in ("gap", "auxiliary"):
+    if rule == "auxiliary":
         with pytest.raises(CaseError, match=f"= {rule}.*: works in 2D only, and this scene has 3 dimensions"):
             parts.check(3)
     else:

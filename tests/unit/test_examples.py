@@ -1,6 +1,6 @@
 """The examples in the docstrings of what `from parisph import ...` offers for cases: each class has one, and it holds.
 
-An example may use all these names, pi, and the file roll.csv in the current folder.
+An example may use all these names, pi, and the files roll.csv and bed.stl in the current folder.
 """
 
 import doctest
@@ -43,6 +43,8 @@ def test_all_classes_of_cases_are_looked_at():
 def test_example_holds(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("roll.csv").write_text("t_s,angle_deg\n0,0\n1,4\n2,4\n3,0\n", encoding="utf-8")
+    Path("bed.stl").write_text("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                               "endloop\nendfacet\nendsolid\n", encoding="utf-8")
     test = examples(CLASSES[name])
     assert any(f"{name}(" in example.source for example in test.examples)
     assert not any(example.options for example in test.examples), "an example that is not run proves nothing"

@@ -102,12 +102,13 @@ class Flume:
     def probe(self, name):
         if isinstance(self.wave, Jonswap):
             t, eta = sea([self.at[name]], 0.2)
-            return {"time": t, "y": eta[0]}
+            return np.rec.fromarrays([t, eta[0]], names="time,y")
         t, k, omega = np.arange(0.0, 40.0, 0.05), self.wave.k, 2.0 * np.pi / self.wave.period
 
         def waves(x):
             return DEPTH + 0.03 * np.cos(k * x - omega * t) + 0.006 * np.cos(k * x + omega * t + 1.0)
-        return {"time": t, **({"a": waves(3.0), "b": waves(3.4)} if name == "row" else {"y": waves(self.at[name])})}
+        columns = {"a": waves(3.0), "b": waves(3.4)} if name == "row" else {"y": waves(self.at[name])}
+        return np.rec.fromarrays([t, *columns.values()], names=["time", *columns])
 
 
 def test_a_flume_chooses_gauges_and_a_time():

@@ -56,7 +56,7 @@ def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
     assert np.linalg.norm(twice[inside]) == pytest.approx(2.0 * np.linalg.norm(small[inside]), rel=0.01)
     large = moved(s, 1e6 * strained)
     assert large.max() < 0.3
-    assert p.turn.max() == pytest.approx(0.1 * s.method.flow.step.whole * s.numerics.spacing)
+    assert p.turn.max() == pytest.approx(0.15 * s.method.flow.step.whole * s.numerics.spacing)    # 3 x .05 s
 
 
 def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
