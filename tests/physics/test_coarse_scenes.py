@@ -12,7 +12,7 @@ from tests.scenes import made_motion, run_alone, scene
 
 # Parameters of each scene: a few hundred particles, and some tens of steps.
 COARSE = {
-    "breakwater_stl": {"spacing": 0.1, "end_time": 0.15},
+    "breakwater_stl": {"spacing": 0.08, "end_time": 0.05},
     "dam_break": {"spacing": 0.05, "end_time": 0.6},
     "dam_break_3d": {"spacing": 0.1, "breadth": 0.4, "end_time": 0.25},
     "dam_break_box": {"spacing": 0.0146, "end_time": 0.12},
