@@ -9,7 +9,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.case.expressions import uniform_field
-from parisph.case.motion import AtRest, Motion, Rotation, Spatial, leaves_section
+from parisph.case.motion import AtRest, Motion, Rotation, Spatial
 from parisph.case.motion.spatial import pose_of
 from parisph.case.schema import Case
 
@@ -34,8 +34,8 @@ class PictureFrame:
         """Return the frame "tank" or "world" of a case. Raises CaseError for another word."""
         if frame not in (TANK, WORLD):
             raise CaseError(f"--frame {frame}: must be {TANK} or {WORLD}")
-        if frame == WORLD and case.dim == 3 and leaves_section(case.frame):
-            raise CaseError(f"--frame {WORLD}: the tank moves out of the plane of the picture ({case.frame.kind}); use "
+        if frame == WORLD and isinstance(case.frame, Spatial):
+            raise CaseError(f"--frame {WORLD}: the tank turns out of the plane of the picture ({case.frame.kind}); use "
                             f"--frame {TANK}")
         return cls(case.frame, frame == WORLD, uniform_field(case.gravity), case.dim)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph import Roll, Sway
+from parisph import Roll, Sway, Yaw
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
 from parisph.pictures import movies, orders, overview, view
@@ -79,6 +79,13 @@ def test_the_room_sees_the_slice_where_its_tank_is(motion):
     np.testing.assert_allclose(found["u"], u, atol=1e-12)
     np.testing.assert_allclose(plane.placed(flow["x"][layer][:, [0, 2]], time), x[:, [0, 2]], atol=1e-12)
     assert "seen from the room" in plane.note(time)
+
+
+def test_a_tank_that_turns_out_of_the_plane_is_seen_from_itself_only():
+    case = tank(frame=Yaw(0.3, 1.0, ramp=0.0, centre=(0.5, 0.5, 0.0)))
+    assert Slice.through(case, "tank", "y=0.4").note(0.2)
+    with pytest.raises(CaseError, match="--frame world: the tank turns out of the plane.*--frame tank"):
+        Slice.through(case, "world", "y=0.4")
 
 
 def test_pieces_of_triangles_lie_in_the_plane():
