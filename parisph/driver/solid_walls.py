@@ -82,10 +82,11 @@ def fill(case: Case, flow: Flow) -> None:
         filling.weigh_cells(flow)
     if case.numerics.jitter > 0.0:
         _jitter(case, flow, even)
-    for name, values in build.started(case, p.id, p.x).items():
-        if name in p.fields:
-            view = getattr(p, name)
-            view[p.kind == FLUID] = values[p.kind == FLUID]
+    started = {name: values for name, values in build.started(case, p.id, p.x).items() if name in p.fields}
+    for name, values in started.items():
+        view = getattr(p, name)
+        view[p.kind == FLUID] = values[p.kind == FLUID]
+    d.update(*started)    # the first pressure looks at ghosts before any step has sent them
 
 
 def _jitter(case: Case, flow: Flow, even: bool) -> None:
