@@ -62,21 +62,14 @@ def case(
 
 def write_stl(path: Path, sides: int = 24) -> None:
     """Write the surface of the breakwater: a mound with its crest along y, half of a cone at its end (ASCII STL)."""
-    low, high = ([(2.4 + radius * sin(angle), end + radius * cos(angle), z)
-                  for angle in (pi * (k / sides - 0.5) for k in range(sides + 1)) for end in (0.25,)]
-                 + [(2.4 + radius, -0.2, z), (2.4 - radius, -0.2, z)]
-                 for radius, z in ((0.61, -0.04), (0.06, 0.4)))
-    count, faces = len(low), []
-    for k in range(count):
-        a, b, c, d = low[k], low[(k + 1) % count], high[(k + 1) % count], high[k]
-        faces += [(a, c, b), (a, d, c)]
-    for k in range(1, count - 1):
-        faces += [(low[0], low[k], low[k + 1]), (high[0], high[k + 1], high[k])]
-    lines = ["solid breakwater"]
-    for face in faces:
-        corners = "".join("vertex {:.6g} {:.6g} {:.6g}\n".format(*corner) for corner in face)
-        lines.append(f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet")
-    path.write_text("\n".join([*lines, "endsolid breakwater\n"]))
+    from trimesh import convex  # of the extra parisph[surfaces]
+
+    points = []
+    for radius, z in ((0.61, -0.04), (0.06, 0.4)):
+        points += [(2.4 - radius, -0.2, z), (2.4 + radius, -0.2, z)]
+        points += [(2.4 + radius * sin(angle), 0.25 + radius * cos(angle), z)
+                   for angle in (pi * (k / sides - 0.5) for k in range(sides + 1))]
+    convex.convex_hull(points).export(path, file_type="stl_ascii")
 
 
 if __name__ == "__main__":

@@ -79,20 +79,12 @@ def case(
 
 def write_stl(path: Path, sides: int = 24) -> None:
     """Write the surface of the cylinder, from below the bed to above the flume (ASCII STL)."""
+    from trimesh import convex  # of the extra parisph[surfaces]
+
     radius = RADIUS * (2.0 * pi / (sides * sin(2.0 * pi / sides))) ** 0.5    # the polygon has the area of the circle
-    low, high = ([(PLACE + radius * cos(angle), 0.5 * BREADTH + radius * sin(angle), z)
-                  for angle in (2.0 * pi * k / sides for k in range(sides))] for z in (-0.1, HEIGHT + 0.1))
-    faces = []
-    for k in range(sides):
-        a, b, c, d = low[k], low[(k + 1) % sides], high[(k + 1) % sides], high[k]
-        faces += [(a, b, c), (a, c, d)]
-    for k in range(1, sides - 1):
-        faces += [(low[0], low[k + 1], low[k]), (high[0], high[k], high[k + 1])]
-    lines = ["solid cylinder"]
-    for face in faces:
-        corners = "".join("vertex {:.6g} {:.6g} {:.6g}\n".format(*corner) for corner in face)
-        lines.append(f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet")
-    path.write_text("\n".join([*lines, "endsolid cylinder\n"]))
+    convex.convex_hull([(PLACE + radius * cos(angle), 0.5 * BREADTH + radius * sin(angle), z)
+                        for angle in (2.0 * pi * k / sides for k in range(sides)) for z in (-0.1, HEIGHT + 0.1)]
+                       ).export(path, file_type="stl_ascii")
 
 
 if __name__ == "__main__":

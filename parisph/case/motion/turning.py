@@ -21,13 +21,17 @@ Axis = Annotated[tuple[float, float, float], Field(description="axis (x, y, z) o
 
 
 class _Turning(Angular, Spatial):
-    """A rotation about `axis` through `centre`; both are fields or properties of each subclass."""
+    """A rotation about `axis`, a field or property of each subclass, through `centre`."""
+
+    amplitude: Amount = Field(description="amplitude [rad], or a Series")
+    frequency: Frequency = None
+    centre: Pivot = (0.0, 0.0, 0.0)
+    ramp: Ramp = None
+    period: Period = None
 
     if TYPE_CHECKING:    # see Translation
         @property
         def axis(self) -> tuple[float, ...]: ...
-        @property
-        def centre(self) -> tuple[float, float, float]: ...
 
     @property
     def turns(self) -> bool:
@@ -53,11 +57,6 @@ class Pitch(_Turning):
     """
 
     kind: Literal["pitch"] = Field(default="pitch", init=False)
-    amplitude: Amount = Field(description="amplitude [rad], or a Series")
-    frequency: Frequency = None
-    centre: Pivot = (0.0, 0.0, 0.0)
-    ramp: Ramp = None
-    period: Period = None
 
     @property
     def axis(self) -> tuple[float, ...]:
@@ -75,11 +74,6 @@ class Yaw(_Turning):
     """
 
     kind: Literal["yaw"] = Field(default="yaw", init=False)
-    amplitude: Amount = Field(description="amplitude [rad], or a Series")
-    frequency: Frequency = None
-    centre: Pivot = (0.0, 0.0, 0.0)
-    ramp: Ramp = None
-    period: Period = None
 
     @property
     def axis(self) -> tuple[float, ...]:
@@ -98,11 +92,6 @@ class Turn(_Turning):
     """
 
     kind: Literal["turn"] = Field(default="turn", init=False)
-    amplitude: Amount = Field(description="amplitude [rad], or a Series")
-    frequency: Frequency = None
-    centre: Pivot = (0.0, 0.0, 0.0)
-    ramp: Ramp = None
-    period: Period = None
     axis: Axis = Field(kw_only=True)
 
 
