@@ -14,7 +14,7 @@ from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 from parisph.kernels.moments import second_moment
 from parisph.kernels.records import cloud_of, no_walls
-from parisph.kernels.solids import near_lists, seen_elements
+from parisph.kernels.solids import near_lists, plane_numbers, seen_elements, shapes_of
 from parisph.patch import arrangement
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -173,10 +173,11 @@ def mesh_of(cells, lid=True, spacing=0.1):
 
 def elements_near(x, corners, radius, spacing, normal=None):
     """Return the Walls of elements (M, dim, dim) with those within the radius [m] that points x (n, dim) see."""
-    indptr, indices = near_lists(x, corners, radius)
+    shapes = shapes_of(corners, plane_numbers(corners, np.zeros(len(corners), np.int64), spacing))
+    indptr, indices = near_lists(x, shapes, radius)
     walls = no_walls(0, x.shape[1])._replace(corners=corners, velocity=np.zeros((len(corners), x.shape[1])),
                                              present=np.ones(len(corners)), sticks=np.zeros(len(corners), bool),
-                                             indptr=indptr, indices=indices)
+                                             indptr=indptr, indices=indices, shapes=shapes)
     kind = np.full(len(x), FLUID, np.int8)
     normal = np.zeros_like(x) if normal is None else normal
     none = np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)

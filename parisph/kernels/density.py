@@ -32,6 +32,10 @@ GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with th
 OF_SIDES, NEAR_SIDES = 0.445948490915965, 0.223381589678011
 OF_CORNERS, NEAR_CORNERS = 0.091576213509771, 0.109951743655322    # those near corners, before them those near sides
 
+# Rows of the scratch for triangles: nine coordinates of corners, the part that counts, and results.
+PART, MEAN, WEIGHTS, PULL, VOLUME, BELOW, ANGLE = 9, 10, 11, 12, 15, 16, 17
+R, F, G, Y, BEHIND = 18, 19, 20, 21, 24    # of one point of each: distance, entries of the table, place
+
 
 class KernelTable(NamedTuple):
     """Tabulated integrals of a kernel.
@@ -164,8 +168,9 @@ def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, wal
     """
     x, indptr, indices, axes = cloud.x, cloud.indptr, cloud.indices, cloud.axes
     dim, h = len(axes), table.h
-    mean, pull, cell = np.empty(dim), np.empty(dim), cloud.spacing**dim
+    mean = np.empty(dim)
     near, part = np.empty((dim, room_for(indptr))), np.empty((2, room_for(indptr)))
+    behind = np.empty((BEHIND if dim == 3 else 0, room_for(walls.indptr)))
     for i in range(len(ratio)):
         ratio[i] = 1.0
         gradient[i, :] = 0.0
@@ -189,12 +194,7 @@ def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, wal
             mean[a] = dot(part, 1, near, a, count)
         if walls.indptr[i] < walls.indptr[i + 1]:
             total += _nodes(mean, i, near, cloud, area, table)
-            for k in range(walls.indptr[i], walls.indptr[i + 1]):
-                e = walls.indices[k]
-                if walls.present[e] > 0.0:
-                    total += walls.present[e] * _solid_behind(pull, i, e, cloud, walls, table) / cell
-                    for a in range(dim):
-                        mean[a] += walls.present[e] * pull[a] / cell
+            total += _solid(mean, behind, i, cloud, walls, table)
         ratio[i] = total / table.full
         for a in range(dim):
             gradient[i, a] = mean[a] / table.full
@@ -223,20 +223,29 @@ def _nodes(mean, i, near, cloud, area, table):
 
 
 @inlined
-def _solid_behind(pull, i, e, cloud, walls, table):
-    """Return the integral of the kernel over the solid behind an element, seen from particle i; 0 behind the element.
+def _solid(mean, behind, i, cloud, walls, table):
+    """Return the integral of the kernel over the solid behind the elements that particle i sees, in cells.
 
-    pull : (dim,) output, the integral of the kernel's gradient with respect to the particle's position
+    The integral of the kernel's gradient with respect to the particle's position is added to `mean`.
+
+    behind : (BEHIND, elements) scratch in 3D
     """
-    for a in range(len(cloud.axes)):
-        pull[a] = 0.0
-    if len(cloud.axes) == 2:
-        return _behind_segment(pull, i, cloud.x, e, walls.corners, table)
-    return _behind_triangle(pull, i, cloud.x, e, walls.corners, table)
+    total, cell = 0.0, cloud.spacing ** len(cloud.axes)
+    if len(cloud.axes) == 3:
+        return _behind_triangles(mean, behind, _gather_triangles(behind, i, cloud.x, walls, table), table, cell)
+    for k in range(walls.indptr[i], walls.indptr[i + 1]):
+        e = walls.indices[k]
+        if walls.present[e] > 0.0:
+            here, own = _behind_segment(i, cloud.x, e, walls.corners, table)
+            total += walls.present[e] * here / cell
+            mean[0] += walls.present[e] * own[0] / cell
+            mean[1] += walls.present[e] * own[1] / cell
+    return total
 
 
 @inlined
-def _behind_segment(pull, i, x, e, corners, table):
+def _behind_segment(i, x, e, corners, table):
+    """Return the integrals of the kernel and of its gradient over the solid behind a segment; 0 behind the segment."""
     ax, ay = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1]
     bx, by = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1]
     cross = ax * by - ay * bx
@@ -244,14 +253,14 @@ def _behind_segment(pull, i, x, e, corners, table):
     length = math.sqrt(tx * tx + ty * ty)
     height = cross / length
     if not 1e-9 * table.h < height < 2.0 * table.h:
-        return 0.0
+        return 0.0, (0.0, 0.0)
     angle = math.atan2(cross, ax * bx + ay * by)
     la, lb = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
     mx, my = ax / la + bx / lb, ay / la + by / lb    # bisector of the angle
     size = math.sqrt(mx * mx + my * my)
     mx, my = mx / size, my / size
     cosine, sine = math.cos(0.5 * angle * GAUSS), math.sin(0.5 * angle * GAUSS)
-    total = 0.0
+    total, px, py = 0.0, 0.0, 0.0
     for c in range(3):
         ux, uy = mx, my
         if c == 1:
@@ -262,49 +271,96 @@ def _behind_segment(pull, i, x, e, corners, table):
         part = angle * (8.0 if c == 0 else 5.0) / 18.0
         total += part * _entry(table, 0, r)
         force = part * _entry(table, 3, r)
-        pull[0] += force * ux
-        pull[1] += force * uy
+        px += force * ux
+        py += force * uy
+    return total, (px, py)
+
+
+@inlined
+def _gather_triangles(behind, i, x, walls, table):
+    """Write the corners, relative to particle i, and the parts that count of the triangles in front of which it is.
+
+    Returns their number, made even by copies that do not count.
+    """
+    n = 0
+    for k in range(walls.indptr[i], walls.indptr[i + 1]):
+        e = walls.indices[k]
+        height = -walls.shapes.plane[e, 3]
+        for a in range(3):
+            height += walls.shapes.plane[e, a] * x[i, a]
+        if walls.present[e] > 0.0 and 1e-9 * table.h < height < 2.0 * table.h:
+            for c in range(3):
+                for a in range(3):
+                    behind[3 * c + a, n] = walls.corners[e, c, a] - x[i, a]
+            behind[PART, n] = walls.present[e]
+            n += 1
+    while n % 4:    # whole vectors
+        for row in range(PART):
+            behind[row, n] = behind[row, n - 1]
+        behind[PART, n] = 0.0
+        n += 1
+    return n
+
+
+@inlined
+def _behind_triangles(mean, behind, n, table, cell):
+    """Return the integral of the kernel over the solid behind n triangles, and add that of its gradient to `mean`."""
+    _add_points(behind, n, table)
+    total = 0.0
+    for k in range(n):
+        part = behind[PART, k] * behind[ANGLE, k] / behind[WEIGHTS, k] / cell
+        total += part * behind[MEAN, k]
+        for a in range(3):
+            mean[a] += part * behind[PULL + a, k]
     return total
 
 
 @inlined
-def _behind_triangle(pull, i, x, e, corners, table):
-    x0, x1, x2 = x[i, 0], x[i, 1], x[i, 2]
-    a0, a1, a2 = corners[e, 0, 0] - x0, corners[e, 0, 1] - x1, corners[e, 0, 2] - x2
-    b0, b1, b2 = corners[e, 1, 0] - x0, corners[e, 1, 1] - x1, corners[e, 1, 2] - x2
-    c0, c1, c2 = corners[e, 2, 0] - x0, corners[e, 2, 1] - x1, corners[e, 2, 2] - x2
-    p, q = (b0 - a0, b1 - a1, b2 - a2), (c0 - a0, c1 - a1, c2 - a2)
-    n0, n1, n2 = p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]
-    height = -(a0 * n0 + a1 * n1 + a2 * n2) / math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
-    if not 1e-9 * table.h < height < 2.0 * table.h:
-        return 0.0
-    mean, weights, s0, s1, s2 = 0.0, 0.0, a0 + b0 + c0, a1 + b1 + c1, a2 + b2 + c2
-    # Six points, weighted by solid angle: three are near sides, each opposite to a corner, three near corners.
-    for k in range(6):
-        c, others = k % 3, OF_SIDES if k < 3 else OF_CORNERS
-        own = 1.0 - 3.0 * others
-        y0 = others * s0 + own * (a0 if c == 0 else b0 if c == 1 else c0)
-        y1 = others * s1 + own * (a1 if c == 0 else b1 if c == 1 else c1)
-        y2 = others * s2 + own * (a2 if c == 0 else b2 if c == 1 else c2)
-        r = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
-        part = (NEAR_SIDES if k < 3 else NEAR_CORNERS) / (r * r * r)
-        mean += _entry(table, 0, r) * part
-        weights += part
-        force = _entry(table, 3, r) * part / r
-        pull[0] += force * y0
-        pull[1] += force * y1
-        pull[2] += force * y2
-    angle = _solid_angle((a0, a1, a2), (b0, b1, b2), (c0, c1, c2))
-    for a in range(3):
-        pull[a] *= angle / weights
-    return angle * mean / weights
+def _add_points(behind, n, table):
+    """Write the means of F and e G over the points of n triangles, times the sum of weights, that sum, and the angles.
+
+    Six points, weighted by solid angle: three are near sides, each opposite to a corner, three near corners.
+    """
+    b, values, scale = behind, table.values, (ENTRIES - 1) / (2.0 * table.h)
+    for row in range(MEAN, BEHIND):
+        for k in range(n):
+            b[row, k] = 0.0
+    for s in range(6):
+        others, weight = (OF_SIDES, NEAR_SIDES) if s < 3 else (OF_CORNERS, NEAR_CORNERS)
+        own = 1.0 - 2.0 * others
+        u, v, w = own if s % 3 == 0 else others, own if s % 3 == 1 else others, own if s % 3 == 2 else others
+        for k in range(n):    # the first and the last of these loops are vectorised
+            y0 = u * b[0, k] + v * b[3, k] + w * b[6, k]
+            y1 = u * b[1, k] + v * b[4, k] + w * b[7, k]
+            y2 = u * b[2, k] + v * b[5, k] + w * b[8, k]
+            b[R, k] = math.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
+            b[Y, k], b[Y + 1, k], b[Y + 2, k] = y0, y1, y2
+        for k in range(n):
+            at = min(b[R, k] * scale, ENTRIES - 0.5)
+            j = np.uint32(np.int32(at))    # unsigned, so that numba adds no test
+            rest = at - j
+            b[F, k] = values[j, 0] + rest * (values[j + 1, 0] - values[j, 0])
+            b[G, k] = values[j, 3] + rest * (values[j + 1, 3] - values[j, 3])
+        for k in range(n):
+            by_r = 1.0 / b[R, k]
+            part = weight * by_r * by_r * by_r
+            force = b[G, k] * part * by_r
+            b[MEAN, k] += b[F, k] * part
+            b[WEIGHTS, k] += part
+            for a in range(3):
+                b[PULL + a, k] += force * b[Y + a, k]
+    for k in range(n):
+        a, c, d = (b[0, k], b[1, k], b[2, k]), (b[3, k], b[4, k], b[5, k]), (b[6, k], b[7, k], b[8, k])
+        b[VOLUME, k], b[BELOW, k] = _solid_angle(a, c, d)
+    for k in range(n):
+        b[ANGLE, k] = -2.0 * math.atan2(b[VOLUME, k], b[BELOW, k])
 
 
 @inlined
 def _solid_angle(a, b, c):
-    """Return the solid angle of a triangle (van Oosterom & Strackee 1983), positive from the fluid's side.
+    """Return y, x such that the solid angle of a triangle, positive from the fluid's side, is -2 atan2(y, x).
 
-    a, b, c : its corners from the point
+    van Oosterom & Strackee 1983; a, b, c : its corners from the point
     """
     la, lb = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
     lc = math.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
@@ -312,7 +368,7 @@ def _solid_angle(a, b, c):
     volume += a[2] * (b[0] * c[1] - b[1] * c[0])
     below = la * lb * lc + (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * lc
     below += (b[0] * c[0] + b[1] * c[1] + b[2] * c[2]) * la + (c[0] * a[0] + c[1] * a[1] + c[2] * a[2]) * lb
-    return -2.0 * math.atan2(volume, below)
+    return volume, below
 
 
 @kernel

@@ -32,6 +32,20 @@ class Cloud(NamedTuple):
     axes: tuple[int, ...]
 
 
+class Shapes(NamedTuple):
+    """What lines of sight need of the elements besides their corners.
+
+    middle : (M, dim), centroids [m]; size : (M,), greatest distance of a corner from it [m]
+    plane : (M, dim + 1), unit normal, and its product with a corner [m]
+    number : (M,) of the plane, the same for elements in one plane (`plane_numbers`)
+    """
+
+    middle: np.ndarray
+    size: np.ndarray
+    plane: np.ndarray
+    number: np.ndarray
+
+
 class Walls(NamedTuple):
     """The wall elements near the particles of a rank, and CSR lists of those that each owned particle sees.
 
@@ -40,6 +54,7 @@ class Walls(NamedTuple):
     velocity : (M, dim) [m/s]; sticks : (M,) bool, no-slip elements
     present : (M,), the part of each element that counts, 0 to 1
     indptr : (n_owned + 1,) int32; indices : (nnz,) int32
+    shapes : Shapes
     """
 
     corners: np.ndarray
@@ -48,6 +63,7 @@ class Walls(NamedTuple):
     sticks: np.ndarray
     indptr: np.ndarray
     indices: np.ndarray
+    shapes: Shapes
 
 
 class Rows(NamedTuple):
@@ -85,7 +101,8 @@ def no_walls(n_owned: int, dim: int) -> Walls:
     """Return the Walls of `n_owned` particles without elements."""
     none = np.zeros(0, np.int32)
     return Walls(np.empty((0, dim, dim)), np.empty((0, dim)), np.empty(0), np.empty(0, np.bool_),
-                 np.zeros(n_owned + 1, np.int32), none)
+                 np.zeros(n_owned + 1, np.int32), none,
+                 Shapes(np.empty((0, dim)), np.empty(0), np.empty((0, dim + 1)), np.zeros(0, np.int64)))
 
 
 def cloud_of(x: np.ndarray, kind: np.ndarray, role: np.ndarray, normal: np.ndarray, indptr: np.ndarray,

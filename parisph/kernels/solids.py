@@ -1,47 +1,96 @@
 """Walls as elements, in 2D (segments) and 3D (triangles): lines of sight past them, and the nearest ones.
 
 Elements have current `corners` (M, dim, dim) [m], ordered as in `records.Walls`. Every owned particle has a list of the
-elements near it (`seen_elements`), mostly an empty one.
+elements near it (`seen_elements`), mostly an empty one. Many elements lie in one plane: a line crosses none of these if
+both ends are on one side of it.
 """
 
 import math
 
 import numpy as np
 
-from parisph.base.fields import FLUID
+from parisph.base.fields import FLUID, WALL
 from parisph.kernels.cells import nearby
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
-from parisph.kernels.records import Cloud, Walls
+from parisph.kernels.records import Cloud, Shapes, Walls
 
 LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node sees; judged
 SLACK = 1e-9     # margin of an element over its size, so that lines cannot pass between two elements
-PLANES = 6       # largest number of planes near a particle: with more, each element is tested
-ROUNDING = 1e-8  # uncertainty of the distance to a plane, over the lift
+PLANES = 16      # largest number of planes near a particle that are told apart
+ROUNDING = 1e-6  # uncertainty of the distance to a plane, over the lift
 SIDE = 0.9       # tuned 0.45 to 1: cosine above which two walls count as one to keep off; judged
 
 
-def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the elements (M, dim, dim) within the radius [m] of points x (n, dim) [m], and perhaps others, as CSR.
+Lists = tuple[np.ndarray, np.ndarray]    # CSR: indptr (n + 1,) int32, indices (nnz,) int32
+
+
+def shapes_of(corners: np.ndarray, number: np.ndarray) -> Shapes:
+    """Return the Shapes of elements (M, dim, dim) [m] with these numbers of their planes (M,) int."""
+    count, dim = corners.shape[:2]
+    shapes = Shapes(np.empty((count, dim)), np.empty(count), np.empty((count, dim + 1)), number)
+    _measure(shapes, corners, axes_of(dim))
+    return shapes
+
+
+def plane_numbers(corners: np.ndarray, motion: np.ndarray, spacing: float) -> np.ndarray:
+    """Return numbers (M,) that are equal for elements (M, dim, dim) [m] in one plane with one motion (M,), so forever.
+
+    Elements that differ by rounding may have different numbers. spacing : [m]
+    """
+    if len(corners) == 0:
+        return np.zeros(0, np.int64)
+    plane = shapes_of(corners, np.zeros(len(corners), np.int64)).plane
+    plane[:, -1] /= spacing
+    keys = np.column_stack([np.round(plane / SLACK).astype(np.int64), motion])
+    numbers: np.ndarray = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1)
+    return numbers
+
+
+def near_lists(x: np.ndarray, shapes: Shapes, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the elements within the radius [m] of points x (n, dim) [m], and perhaps others, as CSR.
 
     Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `cells.nearby`.
     """
-    if len(corners) == 0:
+    if len(shapes.size) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    axes = axes_of(x.shape[1])
-    middle = np.empty((len(corners), len(axes)))
-    size = _middles(middle, corners, axes)
-    return nearby(x, middle, radius + size)
+    return nearby(x, shapes.middle, radius + shapes.size.max())
 
 
-def seen_elements(cloud: Cloud, walls: Walls, radius: float) -> tuple[Walls, bool]:
+@kernel
+def replaced(indptr: np.ndarray, indices: np.ndarray, which: np.ndarray, starts: np.ndarray, found: np.ndarray
+             ) -> tuple[np.ndarray, np.ndarray]:
+    """Return the CSR lists with those of some particles replaced, as CSR.
+
+    which : (m,), these particles, ascending; starts (m + 1,), found : their lists, CSR
+    """
+    ends, m, n = np.empty_like(indptr), 0, len(indices) + len(found)
+    left, count = np.empty(n, indices.dtype), 0
+    ends[0] = 0
+    for i in range(len(indptr) - 1):
+        if m < len(which) and which[m] == i:
+            for k in range(starts[m], starts[m + 1]):
+                left[count] = found[k]
+                count += 1
+            m += 1
+        else:
+            for k in range(indptr[i], indptr[i + 1]):
+                left[count] = indices[k]
+                count += 1
+        ends[i + 1] = count
+    return ends, left[:count].copy()
+
+
+def seen_elements(cloud: Cloud, walls: Walls, radius: float, known: Lists | None = None) -> tuple[Walls, bool]:
     """Return the walls with lists of the elements within the radius [m] that are not hidden by others.
 
     walls : with the lists of `near_lists`
+    known : lists by an earlier call, if no wall has moved since; those of wall particles are taken from them
     The second is whether nothing is hidden, as in a tank: `is_open`.
     """
     indptr, indices, free = np.empty_like(walls.indptr), np.empty_like(walls.indices), is_open(cloud, walls)
-    return walls._replace(indptr=indptr, indices=indices[:keep_unhidden(indptr, indices, cloud, walls, radius,
-                                                                         free)]), free
+    count = keep_unhidden(indptr, indices, cloud, walls, radius, free,
+                          (np.empty(0, np.int32), indices) if known is None else known)
+    return walls._replace(indptr=indptr, indices=indices[:count]), free
 
 
 def seen_neighbours(cloud: Cloud, walls: Walls) -> tuple[np.ndarray, np.ndarray]:
@@ -58,33 +107,26 @@ def keep_visible(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: W
     """Write the visible neighbours, those whose connecting line crosses no element; return their number.
 
     Ends at nodes are lifted off the wall along the normal. A line through a solid passes its front once, in one of the
-    two directions, so that both particles of a pair agree. Lines between points in front of all planes of elements
-    cross none.
+    two directions, so that both particles of a pair agree.
 
     indptr, indices : outputs, as long as the lists of the cloud
     """
     axes, lift = cloud.axes, LIFT * cloud.spacing
-    p, q, plane = np.empty(len(axes)), np.empty(len(axes)), np.empty((PLANES, len(axes) + 1))
+    p, q, sight = np.empty(len(axes)), np.empty(len(axes)), _sight(walls.indptr)
     n = indptr[0] = 0
     for i in range(len(indptr) - 1):
-        first, last = walls.indptr[i], walls.indptr[i + 1]
-        if first == last:
+        if walls.indptr[i] == walls.indptr[i + 1]:
             for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
                 indices[n] = cloud.indices[k]
                 n += 1
         else:
             _lifted(p, i, cloud, lift)
-            planes = _planes(plane, q, first, last, walls.indices, walls.corners, lift, axes)
-            simple = _before(p, plane, planes, lift, axes)
+            planes = _find_planes(sight, p, i, walls, axes)
             for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
                 j = cloud.indices[k]
                 _lifted(q, j, cloud, lift)
-                free = True
-                if not (simple and _before(q, plane, planes, lift, axes)):
-                    for m in range(first, last):
-                        free = free and not _crosses(p, q, walls.indices[m], walls.corners, axes)
                 indices[n] = j
-                n += free
+                n += _is_free(p, q, sight, planes, (i, -1, axes), walls, lift)
         indptr[i + 1] = n
     return n
 
@@ -95,52 +137,64 @@ def _lifted(p, i, cloud, lift):
         p[a] = cloud.x[i, a] + lift * cloud.normal[i, a]
 
 
+@subkernel
+def _sight(indptr):
+    """Return the scratch of `_find_planes`.
+
+    For each plane near a particle: an element, the height of the particle, and whether a line crosses it; then the
+    place among these of the plane of each entry in the particle's list.
+    """
+    longest = 0
+    for i in range(len(indptr) - 1):
+        longest = max(longest, indptr[i + 1] - indptr[i])
+    return np.empty(longest, np.int64), np.empty(longest), np.empty(longest, np.bool_), np.empty(longest, np.int64)
+
+
 @inlined
-def _planes(plane, n, first, last, listed, corners, lift, axes):
-    """Write normals and offsets of the planes of listed elements; return their number, -1 if too many."""
-    dim, found = len(axes), 0
-    for k in range(first, last):
-        e = listed[k]
-        element_normal(n, e, corners, axes)
-        offset = 0.0
-        for a in range(dim):
-            offset += n[a] * corners[e, 0, a]
-        known = False
-        for m in range(found):
-            cosine = 0.0
-            for a in range(dim):
-                cosine += n[a] * plane[m, a]
-            known = known or (cosine > 1.0 - SLACK and abs(offset - plane[m, dim]) < ROUNDING * lift)
-        if not known:
-            if found == PLANES:
-                return -1
-            for a in range(dim):
-                plane[found, a] = n[a]
-            plane[found, dim] = offset
+def _find_planes(sight, p, i, walls, axes):
+    """Write the planes of the elements listed for particle i, and the height of p; return their number.
+
+    After PLANES different ones, each further element counts as another plane.
+    """
+    (element, height, _, member), shapes, found, first = sight, walls.shapes, 0, walls.indptr[i]
+    for k in range(first, walls.indptr[i + 1]):
+        e, place = walls.indices[k], found
+        for m in range(min(found, PLANES)):
+            if shapes.number[element[m]] == shapes.number[e]:
+                place = m
+        member[k - first] = place
+        if place == found:
+            element[found], height[found] = e, _above(p, e, shapes, axes)
             found += 1
     return found
 
 
 @inlined
-def _before(p, plane, planes, lift, axes):
-    """Return whether a point is in front of all planes by more than rounding; False if there are too many planes."""
-    before = planes >= 0
-    for m in range(planes):
-        height = -plane[m, len(axes)]
-        for a in range(len(axes)):
-            height += plane[m, a] * p[a]
-        before = before and height > ROUNDING * lift
-    return before
+def _above(p, e, shapes, axes):
+    """Return the height of a point above the plane of an element [m]."""
+    height = -shapes.plane[e, len(axes)]
+    for a in range(len(axes)):
+        height += shapes.plane[e, a] * p[a]
+    return height
 
 
 @inlined
-def _lifted_centroid(q, n, e, corners, lift, axes):
-    """Write the normal of element e, and the place that is the lift [m] in front of its centroid."""
-    element_normal(n, e, corners, axes)
-    for a in range(len(axes)):
-        q[a] = lift * n[a]
-        for c in range(len(axes)):
-            q[a] += corners[e, c, a] / len(axes)
+def _is_free(p, q, sight, planes, which, walls, lift):
+    """Return whether the line from p to q crosses none of the elements listed for a particle, except one entry.
+
+    It crosses none if no plane is between p and q. which : the particle, the entry, and the axes
+    """
+    (element, height, crossed, member), (i, own, axes), shapes = sight, which, walls.shapes
+    margin, between, first = ROUNDING * lift, False, walls.indptr[i]
+    for m in range(planes):
+        other = _above(q, element[m], shapes, axes)
+        crossed[m] = min(height[m], other) <= margin and max(height[m], other) >= -margin
+        between = between or crossed[m]
+    if between:
+        for k in range(first, walls.indptr[i + 1]):
+            if crossed[member[k - first]] and k != own and _crosses(p, q, walls.indices[k], walls.corners, axes):
+                return False
+    return True
 
 
 @kernel
@@ -149,70 +203,101 @@ def is_open(cloud: Cloud, walls: Walls) -> bool:
 
     It is so for water in a tank, and the places of nodes and elements are lifted off their walls.
     """
-    axes, lift, count = cloud.axes, LIFT * cloud.spacing, len(walls.corners)
-    q, n, plane = np.empty(len(axes)), np.empty(len(axes)), np.empty((PLANES, len(axes) + 1))
-    planes = _planes(plane, n, 0, count, np.arange(count), walls.corners, lift, axes)
-    for e in range(count):
-        _lifted_centroid(q, n, e, walls.corners, lift, axes)
-        if not _before(q, plane, planes, lift, axes):
+    axes, lift, shapes, found = cloud.axes, LIFT * cloud.spacing, walls.shapes, 0
+    q, element = np.empty(len(axes)), np.empty(PLANES, np.int64)
+    for e in range(len(shapes.number)):
+        known = False
+        for m in range(found):
+            known = known or shapes.number[element[m]] == shapes.number[e]
+        if not known:
+            if found == PLANES:
+                return False
+            element[found] = e
+            found += 1
+    for e in range(len(shapes.number)):
+        _lifted_middle(q, e, shapes, lift, axes)
+        if not _before(q, element, found, shapes, lift, axes):
             return False
     for i in range(len(cloud.kind)):
         _lifted(q, i, cloud, lift)
-        if not _before(q, plane, planes, lift, axes):
+        if not _before(q, element, found, shapes, lift, axes):
             return False
     return True
 
 
+@inlined
+def _before(p, element, planes, shapes, lift, axes):
+    """Return whether a point is in front of all planes by more than rounding."""
+    before = True
+    for m in range(planes):
+        before = before and _above(p, element[m], shapes, axes) > ROUNDING * lift
+    return before
+
+
+@inlined
+def _lifted_middle(q, e, shapes, lift, axes):
+    """Write the place that is the lift [m] in front of the centroid of element e."""
+    for a in range(len(axes)):
+        q[a] = shapes.middle[e, a] + lift * shapes.plane[e, a]
+
+
 @kernel
-def _middles(middle, corners, axes):
-    """Write the centroids of elements; return the greatest distance of a corner from its centroid [m]."""
-    dim, size2 = len(axes), 0.0
+def _measure(shapes: Shapes, corners: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Write all but the numbers."""
+    middle, size, plane, _ = shapes
+    dim, n = len(axes), np.empty(len(axes))
     for e in range(len(corners)):
+        element_normal(n, e, corners, axes)
+        plane[e, dim] = 0.0
         for a in range(dim):
+            plane[e, a] = n[a]
+            plane[e, dim] += n[a] * corners[e, 0, a]
             middle[e, a] = 0.0
             for c in range(dim):
                 middle[e, a] += corners[e, c, a] / dim
+        size2 = 0.0
         for c in range(dim):
             apart2 = 0.0
             for a in range(dim):
                 apart2 += (corners[e, c, a] - middle[e, a]) ** 2
             size2 = max(size2, apart2)
-    return math.sqrt(size2)
+        size[e] = math.sqrt(size2)
 
 
 @kernel
 def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls, radius: float,
-                  nothing_hidden: bool) -> int:
+                  nothing_hidden: bool, known: Lists) -> int:
     """Write the visible elements within the radius [m] of owned particles; return their number.
 
     The centroid or the nearest point, lifted off, must be visible: a moving wall hides the part of an element that it
-    covers. Elements in front of which the particle is not are kept, so that fluid cannot pass them. If particle and
-    centroid are in front of all planes, nothing is between them.
+    covers. Elements in front of which the particle is not are kept, so that fluid cannot pass them.
 
     indptr, indices : outputs, as long as the lists of walls
+    known : lists of wall particles, without rows if they are not known
     """
-    axes, lift = cloud.axes, LIFT * cloud.spacing
-    dim = len(axes)
-    p, q, n, foot, plane = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim), np.empty((PLANES, dim + 1))
+    axes, lift, shapes = cloud.axes, LIFT * cloud.spacing, walls.shapes
+    p, q, foot, sight = np.empty(len(axes)), np.empty(len(axes)), np.empty(len(axes)), _sight(walls.indptr)
     left = indptr[0] = 0
     for i in range(len(indptr) - 1):
-        first, last = walls.indptr[i], walls.indptr[i + 1]
-        if first < last:
+        if cloud.kind[i] == WALL and len(known[0]) > 0:
+            for k in range(known[0][i], known[0][i + 1]):
+                indices[left] = known[1][k]
+                left += 1
+        elif walls.indptr[i] < walls.indptr[i + 1]:
             _lifted(p, i, cloud, lift)
-            planes = 0 if nothing_hidden else _planes(plane, n, first, last, walls.indices, walls.corners, lift, axes)
-            simple = _before(p, plane, planes, lift, axes)
-            for k in range(first, last):
+            planes = 0 if nothing_hidden else _find_planes(sight, p, i, walls, axes)
+            for k in range(walls.indptr[i], walls.indptr[i + 1]):
                 e = walls.indices[k]
-                nearest_point(foot, p, e, walls.corners, axes)
-                free = _apart2(foot, p, axes) <= radius * radius
+                free = _is_within(p, e, foot, radius, walls, axes)
                 if free and not nothing_hidden:
-                    _lifted_centroid(q, n, e, walls.corners, lift, axes)
-                    for a in range(dim):
-                        foot[a] += lift * n[a]
-                    if not (simple and _before(q, plane, planes, lift, axes)):
-                        free = (_height(p, e, n, walls.corners, axes) <= 0.0
-                                or _is_free(p, q, first, last, k, walls, axes)
-                                or _is_free(p, foot, first, last, k, walls, axes))
+                    _lifted_middle(q, e, shapes, lift, axes)
+                    free = _is_free(p, q, sight, planes, (i, k, axes), walls, lift)
+                    if not free:
+                        nearest_point(foot, p, e, walls.corners, axes)
+                        for a in range(len(axes)):
+                            q[a] = foot[a] + lift * shapes.plane[e, a]
+                        free = (_above(p, e, shapes, axes) <= 0.0
+                                or _is_free(p, q, sight, planes, (i, k, axes), walls, lift))
                 indices[left] = e
                 left += free
         indptr[i + 1] = left
@@ -220,12 +305,17 @@ def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: 
 
 
 @inlined
-def _is_free(p, q, first, last, own, walls, axes):
-    """Return whether the line from p to q crosses no listed element except entry `own`."""
-    free = True
-    for m in range(first, last):
-        free = free and (m == own or not _crosses(p, q, walls.indices[m], walls.corners, axes))
-    return free
+def _is_within(p, e, foot, radius, walls, axes):
+    """Return whether an element is within the radius of p. The foot, (dim,) scratch, is found where it is needed."""
+    apart2, shapes = 0.0, walls.shapes
+    for a in range(len(axes)):
+        apart2 += (shapes.middle[e, a] - p[a]) ** 2
+    if apart2 <= radius * radius:
+        return True
+    if apart2 > (radius + shapes.size[e]) ** 2 * (1.0 + SLACK):
+        return False
+    nearest_point(foot, p, e, walls.corners, axes)
+    return _apart2(foot, p, axes) <= radius * radius
 
 
 @inlined
@@ -421,7 +511,7 @@ def depths(depth: np.ndarray, cloud: Cloud, walls: Walls) -> None:
     away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
     for i in range(len(depth)):
         depth[i] = 0.0
-        if cloud.kind[i] == FLUID and walls.indptr[i] < walls.indptr[i + 1]:
+        if cloud.kind[i] == FLUID and walls.indptr[i] < walls.indptr[i + 1] and not _is_clear(i, cloud, walls, 0.0):
             nearest_walls(away, member, places, i, cloud, walls, 0.0)
             depth[i] = max(-away[0, len(axes)], 0.0)
 
@@ -438,10 +528,22 @@ def keep_off(move: np.ndarray, cloud: Cloud, walls: Walls, distance: float) -> N
         if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
         length = _length(move, i, axes)
-        if length == 0.0:
+        if length == 0.0 or _is_clear(i, cloud, walls, distance + length):
             continue
         for w in range(nearest_walls(away, member, places, i, cloud, walls, distance + length)):
             _hold_back(move, i, away, w, 0.0, min(distance - away[w, len(axes)], 0.0), axes)
+
+
+@inlined
+def _is_clear(i, cloud, walls, reach):
+    """Return whether a particle is farther than the reach [m] in front of the planes of all elements in its list."""
+    for k in range(walls.indptr[i], walls.indptr[i + 1]):
+        e, height = walls.indices[k], 0.0
+        for a in range(len(cloud.axes)):
+            height += walls.shapes.plane[e, a] * cloud.x[i, a]
+        if not height - walls.shapes.plane[e, len(cloud.axes)] > reach:
+            return False
+    return True
 
 
 @inlined
@@ -483,6 +585,8 @@ def guard(u: np.ndarray, cloud: Cloud, walls: Walls, distance: float, dt: float)
         if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
         hit, reach = False, distance + (_length(u, i, axes) + fastest) * dt
+        if _is_clear(i, cloud, walls, reach):
+            continue
         for w in range(nearest_walls(away, member, places, i, cloud, walls, reach)):
             speed = 0.0
             for a in range(len(axes)):

@@ -49,10 +49,12 @@ class WallElements:
         self.moves = self.node_motion > 0
         self._moving = {number: (movers[number], np.flatnonzero(self.node_motion == number))
                         for number in np.unique(self.node_motion[self.moves])}
+        self._planes = solids.plane_numbers(mesh.corners(), self.node_motion[mesh.elements[:, 0]], spacing)
         self._near = np.zeros(0, np.int64)
         self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
         self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
         self._searched: Floats | None = None    # places of particles at the last search
+        self._seen: solids.Lists | None = None    # elements that nodes see, if walls rest
         self._mean = self.u
         self._place()
 
@@ -154,7 +156,7 @@ class WallElements:
 
     def settle(self, particles: Particles, width: float) -> None:
         """Choose the elements within the width [m] of owned particles, after these have changed ranks or order."""
-        p, corners, self._searched = particles, self.mesh.corners(self.x), None
+        p, corners, self._searched, self._seen = particles, self.mesh.corners(self.x), None, None
         self._near = np.zeros(0, np.int64)
         if p.n_owned:
             lower, upper = p.x.min(axis=0) - width, p.x.max(axis=0) + width
@@ -170,9 +172,10 @@ class WallElements:
         elements = self.mesh.elements[self._near]
         self.velocity, self.acceleration = self._mean[elements].mean(axis=1), self.a[elements].mean(axis=1)
         self.motion = self.node_motion[elements[:, 0]]
-        n = len(elements)
-        self.walls = self.walls._replace(corners=np.ascontiguousarray(self.x[elements]), velocity=self.velocity,
-                                         present=np.ones(n), sticks=np.zeros(n, np.bool_))
+        n, corners = len(elements), np.ascontiguousarray(self.x[elements])
+        self.walls = self.walls._replace(corners=corners, velocity=self.velocity, present=np.ones(n),
+                                         sticks=np.zeros(n, np.bool_),
+                                         shapes=solids.shapes_of(corners, self._planes[self._near]))
 
     def name_near(self, x: Floats) -> str:
         """Return the name of the body of the chosen element nearest to x (dim,) [m]."""
@@ -180,17 +183,29 @@ class WallElements:
         return str(self.mesh.bodies[self.mesh.element_body[self._near[element]]].name)
 
     def renew(self, particles: Particles, radius: float) -> None:
-        """Find the elements that may come within the radius [m] of owned particles until the next call."""
+        """Find the elements that may come within the radius [m] of owned particles until the next call.
+
+        If walls rest, only for particles that have moved by more than the margin since they were last looked for.
+        """
         x, known, margin = particles.x, self._searched, MARGIN * self.spacing
-        if self.moving or known is None or np.max(np.abs(x - known), initial=0.0) > margin / self.mesh.dim:
-            self._candidates = solids.near_lists(x, self.walls.corners, radius + margin)
+        if self.moving or known is None:
+            self._candidates = solids.near_lists(x, self.walls.shapes, radius + margin)
             self._searched = x.copy()
+            return
+        moved = np.flatnonzero(np.abs(x - known).max(axis=1) > margin / self.mesh.dim)
+        if len(moved):
+            found = solids.near_lists(x[moved], self.walls.shapes, radius + margin)
+            self._candidates = solids.replaced(*self._candidates, moved, *found)
+            known[moved] = x[moved]
 
     def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
         """Update the lists of elements within a radius [m]; return neighbour lists without particles behind walls."""
         cloud = particles.cloud(indptr, indices, self.spacing)
         near, others = self._candidates
-        self.walls, free = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)
+        self.walls, free = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius,
+                                                self._seen)
+        if not self.moving:    # what nodes see does not change until particles are sorted again
+            self._seen = self.walls.indptr, self.walls.indices
         return (indptr, indices) if free else solids.seen_neighbours(cloud, self.walls)
 
     def mean_of_nodes(self, values: Floats) -> Floats:
