@@ -194,7 +194,7 @@ def completed_density(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, wal
             mean[a] = dot(part, 1, near, a, count)
         if walls.indptr[i] < walls.indptr[i + 1]:
             total += _nodes(mean, i, near, cloud, area, table)
-            total += _solid(mean, behind, i, cloud, walls, table)
+            total = _solid(total, mean, behind, i, cloud, walls, table)
         ratio[i] = total / table.full
         for a in range(dim):
             gradient[i, a] = mean[a] / table.full
@@ -223,16 +223,16 @@ def _nodes(mean, i, near, cloud, area, table):
 
 
 @inlined
-def _solid(mean, behind, i, cloud, walls, table):
-    """Return the integral of the kernel over the solid behind the elements that particle i sees, in cells.
+def _solid(total, mean, behind, i, cloud, walls, table):
+    """Return a sum plus the integral of the kernel over the solid behind the elements that particle i sees, in cells.
 
     The integral of the kernel's gradient with respect to the particle's position is added to `mean`.
 
     behind : (BEHIND, elements) scratch in 3D
     """
-    total, cell = 0.0, cloud.spacing ** len(cloud.axes)
+    cell = cloud.spacing ** len(cloud.axes)
     if len(cloud.axes) == 3:
-        return _behind_triangles(mean, behind, _gather_triangles(behind, i, cloud.x, walls, table), table, cell)
+        return total + _behind_triangles(mean, behind, _gather_triangles(behind, i, cloud.x, walls, table), table, cell)
     for k in range(walls.indptr[i], walls.indptr[i + 1]):
         e = walls.indices[k]
         if walls.present[e] > 0.0:
@@ -350,8 +350,8 @@ def _add_points(behind, n, table):
             for a in range(3):
                 b[PULL + a, k] += force * b[Y + a, k]
     for k in range(n):
-        a, c, d = (b[0, k], b[1, k], b[2, k]), (b[3, k], b[4, k], b[5, k]), (b[6, k], b[7, k], b[8, k])
-        b[VOLUME, k], b[BELOW, k] = _solid_angle(a, c, d)
+        first, second = (b[0, k], b[1, k], b[2, k]), (b[3, k], b[4, k], b[5, k])
+        b[VOLUME, k], b[BELOW, k] = _solid_angle(first, second, (b[6, k], b[7, k], b[8, k]))
     for k in range(n):
         b[ANGLE, k] = -2.0 * math.atan2(b[VOLUME, k], b[BELOW, k])
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, WALL, WET
-from parisph.kernels import harmonic
+from parisph.kernels import harmonic, monomials
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.near import fill_up, gather_within, room_for
 from parisph.kernels.records import Cloud
@@ -40,8 +40,9 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
     """
     kind, role, indptr, axes = cloud.kind, cloud.role, cloud.indptr, cloud.axes
     dim, room, size, less = len(axes), room_for(indptr), harmonic.terms(3, axes), harmonic.terms(2, axes)
-    fit, member = harmonic.fit_of((1 + (dim if dim == 3 else 0)) * room, axes), np.empty(room, np.int32)
-    near, weight, v = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
+    fit, member = harmonic.fit_of(room, axes), np.empty(room, np.int32)
+    near, v = np.empty((dim, room)), np.empty((dim, room))
+    weight, sums = np.empty((monomials.ROOM if dim == 3 else 1, room)), np.empty((monomials.ROOM, 4))
     unit, fluid = harmonic.UNIT * radius, _only_fluid(cloud)
     for i in range(len(indptr) - 1):
         out.square[i], out.beyond[i, :], out.gradient[i, :, :] = 0.0, 0.0, 0.0
@@ -56,18 +57,15 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
         m = fill_up(near, n, axes)
         harmonic.weigh(weight, near, m, axes)
         _velocities(v, u, member, n, m, axes)
-        first = _add_columns(fit, weight, near, v, m, axes) if dim == 3 else 0
-        last = harmonic.add_slopes(fit, first, i, cloud, across, 0.0, 1.0, radius)
-        data, sound = dim * n + last - first, False
+        last = harmonic.add_slopes(fit, 0, i, cloud, across, 0.0, 1.0, radius)
+        data, sound = dim * n + last, False
         if data > size:
             harmonic.assemble(fit, last, size, axes)
-            if dim == 2:
-                _add_moments(fit, weight, near, v, m)
+            _add_moments(fit, weight, sums, near, v, m, (size, axes))
             sound = harmonic.solve(fit, size, less, np.inf, axes)
         if data > less and not sound:    # not a loop: the code is faster with constant sizes
             harmonic.assemble(fit, last, less, axes)
-            if dim == 2:
-                _add_moments(fit, weight, near, v, m)
+            _add_moments(fit, weight, sums, near, v, m, (less, axes))
             sound = harmonic.solve(fit, less, less, np.inf, axes)
         if sound:
             out.square[i] = _curve(out.gradient, i, fit.right, unit, axes)
@@ -96,22 +94,17 @@ def _velocities(v, u, member, n, m, axes):
 
 
 @inlined
-def _add_columns(fit, weight, near, v, m, axes):
-    """Write a column for each component of m velocities v; return the number of columns."""
-    last, z = harmonic.terms(3, axes), 0.0
-    for a in range(len(axes)):
-        along = 1.0 if a == 0 else 0.0, 1.0 if a == 1 else 0.0, 1.0 if a == 2 else 0.0
-        for k in range(m):
-            if len(axes) == 3:
-                z = near[2, k]
-            harmonic.fill_slopes(fit.b, a * m + k, (near[0, k], near[1, k], z), along, axes)
-        for k in range(m):    # a separate loop is vectorised
-            fit.w[0, a * m + k], fit.b[last, a * m + k] = weight[0, k], v[a, k]
-    return len(axes) * m
+def _add_moments(fit, weight, sums, near, v, m, degree):
+    """Add the moments of m velocities. degree : number of polynomials, in 2D of those that count, and the axes"""
+    size, axes = degree
+    if len(axes) == 3:
+        monomials.add_moments(fit.work, fit.right, weight, sums, near, v, m, size)
+    else:
+        _add_plane_moments(fit, weight, near, v, m)
 
 
 @inlined
-def _add_moments(fit, weight, near, v, m):
+def _add_plane_moments(fit, weight, near, v, m):
     """Add the moments of m velocities in 2D from nine sums: u - i v is a polynomial of x + i y."""
     work, right = fit.work, fit.right
     s, sx, sy, sd, se, sr, rx, ry, rr, r0, r1, r2, r3, r4, r5 = _sums(weight, near, v, m)

@@ -189,7 +189,8 @@ def test_in_an_open_room_the_quick_lists_are_the_full_ones(walls, nothing_hidden
     assert solids.is_open(cloud, near) == nothing_hidden
     lists = [np.empty(len(near.indices), np.int32) for _ in range(2)]
     ends = [np.empty_like(near.indptr) for _ in range(2)]
-    count = [solids.keep_unhidden(ends[k], lists[k], cloud, near, 2.6 * S, bool(k)) for k in range(2)]
+    none = np.empty(0, np.int32), near.indices
+    count = [solids.keep_unhidden(ends[k], lists[k], cloud, near, 2.6 * S, bool(k), none) for k in range(2)]
     if nothing_hidden:
         np.testing.assert_array_equal(lists[0][:count[0]], lists[1][:count[1]])
         np.testing.assert_array_equal(solids.seen_neighbours(cloud, near)[1], cloud.indices)
