@@ -23,6 +23,8 @@ from parisph.kernels.solids import nearest_point
 BINS = 16     # across a face of the cube
 SPLITS = 4    # of an icosahedron's edge; with 2, particles of a jittered surface have no free cone
 WORD = 64     # bits
+EVERY, LAST = np.uint64(2**WORD - 1), np.uint64(2 ** (10 * SPLITS**2 + 2 - 2 * WORD) - 1)    # masks of all axes
+FARTHER = 1.0 + 1e-6    # for rounding
 FEW = 6       # tuned 4 to 9: number of neighbours below which a particle is on the surface in 3D; judged
 
 
@@ -133,7 +135,9 @@ def _reflections(toward, n, places, i, cloud, walls, radius2):
     place[0], place[1], place[2] = px, py, pz
     for k in range(walls.indptr[i], walls.indptr[i + 1]):
         e = walls.indices[k]
-        if walls.present[e] > 0.0:
+        height = walls.shapes.plane[e, 0] * px + walls.shapes.plane[e, 1] * py + walls.shapes.plane[e, 2] * pz
+        height -= walls.shapes.plane[e, 3]
+        if walls.present[e] > 0.0 and 4.0 * height * height < radius2 * FARTHER:
             nearest_point(foot, place, e, walls.corners, cloud.axes)
             dx, dy, dz = foot[0] - px, foot[1] - py, foot[2] - pz
             r2 = dx * dx + dy * dy + dz * dz
@@ -158,6 +162,8 @@ def _is_free(toward, n, axis, masks, limit):
         first |= masks[b, 0]
         second |= masks[b, 1]
         third |= masks[b, 2]
+    if first == EVERY and second == EVERY and third == LAST:
+        return False
     for q in range(len(axis)):
         word = first if q < WORD else (second if q < 2 * WORD else third)
         if (word >> np.uint64(q % WORD)) & np.uint64(1):

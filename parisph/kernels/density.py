@@ -210,10 +210,13 @@ def _nodes(mean, i, near, cloud, area, table):
     for k in range(cloud.indptr[i + 1] - cloud.indptr[i]):
         j = cloud.indices[cloud.indptr[i] + k]
         if cloud.kind[j] == WALL:
-            r2, before = 0.0, 0.0
+            r2, before, size2 = 0.0, 0.0, 0.0
             for a in range(len(cloud.axes)):
                 r2 += near[a, k] ** 2
                 before += near[a, k] * area[j, a]
+                size2 += area[j, a] ** 2
+            if size2 == 0.0 or r2 >= 4.0 * table.h * table.h:    # its part is zero
+                continue
             r = math.sqrt(r2)
             slope, b = before * _entry(table, 2, r), _entry(table, 1, r)
             total += before * b

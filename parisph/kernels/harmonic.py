@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.kernels.jit import inlined, subkernel
-from parisph.kernels.moments import PIVOT_FLOOR, cholesky, cholesky_solve, invert, normal_matrix
+from parisph.kernels.moments import PIVOT_FLOOR, cholesky, cholesky_solve, invert, normal_matrix, solve_columns
 from parisph.kernels.near import LANES, dot4
 from parisph.kernels.records import Cloud
 from parisph.kernels.roles import outside
@@ -238,41 +238,33 @@ def coefficients(out: np.ndarray, i: int, cloud: Cloud, radius: float, most: flo
         block M = A_11
     """
     x, role, indptr, indices, axes = cloud.x, cloud.role, cloud.indptr, cloud.indices, cloud.axes
-    dim, n, found = len(axes), basis_size(axes), 0
-    radius2, column = radius * radius, b.reshape(n, 1)
-    work[:n, :n] = 0.0
-    for k in range(indptr[i], indptr[i + 1]):
-        w = _weight(i, indices[k], x, role, radius2, axes)
-        if w == 0.0:
-            continue
-        found += 1
+    dim, n, found, first = len(axes), basis_size(axes), 0, indptr[i]
+    columns = indptr[i + 1] - first
+    for row in range(columns):
+        w = b[n, row] = _weight(i, indices[first + row], x, role, radius * radius, axes)
+        found += w != 0.0
         for a in range(dim):
-            b[a] = (x[indices[k], a] - x[i, a]) / radius
-        fill_values(column, 1, 2, axes)
-        for r in range(n):
-            for c in range(r + 1):
-                work[r, c] += w * b[r] * b[c]
+            b[a, row] = (x[indices[first + row], a] - x[i, a]) / radius
     if found < n + 1:
         return False
+    fill_values(b, columns, 2, axes)
+    work[:n, :n] = 0.0
+    for row in range(columns):
+        if b[n, row] > 0.0:
+            for r in range(n):
+                for c in range(r + 1):
+                    work[r, c] += b[n, row] * b[r, row] * b[c, row]
     for a in range(dim):
         for c in range(a + 1):
             out[a, c] = out[c, a] = work[a, c]
     if not cholesky(work, n):
         return False
-    if most < np.inf and inflation(out, work, b, n, axes) > most:
+    if most < np.inf and inflation(out, work, b[n + 1], n, axes) > most:
         return False
-    for k in range(indptr[i], indptr[i + 1]):
-        row = k - indptr[i]
-        w = _weight(i, indices[k], x, role, radius2, axes)
-        if w == 0.0:
-            out[row, :] = 0.0
-            continue
+    solve_columns(work, b, n, columns)
+    for row in range(columns):
         for a in range(dim):
-            b[a] = (x[indices[k], a] - x[i, a]) / radius
-        fill_values(column, 1, 2, axes)
-        cholesky_solve(work, b, n)
-        for a in range(dim):
-            out[row, a] = w * b[a] / radius
+            out[row, a] = b[n, row] * b[a, row] / radius if b[n, row] > 0.0 else 0.0
     return True
 
 
@@ -309,4 +301,4 @@ def scratch(indptr: np.ndarray, axes: tuple[int, ...]) -> tuple[np.ndarray, np.n
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])
     n = basis_size(axes)
-    return np.empty((longest, len(axes))), np.empty((n, n)), np.empty(n)
+    return np.empty((max(longest, len(axes)), len(axes))), np.empty((n, n)), np.empty((n + 2, max(longest, n)))

@@ -59,6 +59,24 @@ def cholesky_solve(a: np.ndarray, b: np.ndarray, n: int) -> None:
 
 
 @inlined
+def solve_columns(a: np.ndarray, b: np.ndarray, n: int, m: int) -> None:
+    """Do the same as `cholesky_solve` for the first n entries of m columns of b, several columns at a time."""
+    for k in range(n):
+        for r in range(k):
+            factor = a[k, r]
+            for c in range(m):
+                b[k, c] -= factor * b[r, c]
+        factor = a[k, k]
+        for c in range(m):
+            b[k, c] *= factor
+    for k in range(n - 1, -1, -1):
+        for r in range(k + 1, n):
+            factor = a[r, k] * a[k, k]
+            for c in range(m):
+                b[k, c] -= factor * b[r, c]
+
+
+@inlined
 def normal_matrix(matrix: np.ndarray, basis: np.ndarray, w: np.ndarray, size: int, m: int) -> None:
     """Write the lower triangle of sum_k w[0, k] b_k b_k^T of the first rows of a basis over m columns.
 
