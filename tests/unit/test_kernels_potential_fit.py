@@ -3,6 +3,7 @@
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, WALL, WET
+from parisph.kernels import harmonic, monomials
 from parisph.kernels.harmonic import Slopes
 from parisph.kernels.potential_fit import Potential, fit_potential
 from tests.pools import dims, harmonic_cubics, tank
@@ -78,3 +79,21 @@ def test_free_flight_has_no_potential():
     pool.role[i] = BALLISTIC
     beyond, found = fit(pool, np.random.default_rng(0).normal(size=(pool.n, 2)))
     assert np.all(beyond[i] == 0.0) and np.all(found[i] == 0.0) and np.all(beyond[~pool.fluid] == 0.0)
+
+
+def test_moments_in_3d_are_those_of_a_column_for_each_component():
+    rng = np.random.default_rng(3)
+    near, v, w = rng.normal(size=(3, 8)), rng.normal(size=(3, 8)), rng.random(8)
+    slopes = np.zeros((15, 24))
+    for k in range(8):
+        for axis in range(3):
+            harmonic.fill_slopes(slopes, 8 * axis + k, tuple(near[:, k]), tuple(np.eye(3)[axis]), (0, 1, 2))
+    for size in (15, 8):
+        work, right = np.zeros((15, 18)), np.zeros(18)
+        power, sums = np.empty((monomials.ROOM, 8)), np.empty((monomials.ROOM, 4))
+        power[0] = w
+        monomials.add_moments(work, right, power, sums, near, v, 8, size)
+        used = slopes[:size]
+        np.testing.assert_allclose(np.tril(work[:size, :size]), np.tril(used * np.tile(w, 3) @ used.T), atol=1e-10)
+        np.testing.assert_allclose(right[:size], used @ (np.tile(w, 3) * v.ravel()), atol=1e-11)
+        assert not work[size:].any() and not right[size:].any()

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from parisph import Box, Polygon, Tank
-from parisph.base.fields import FLUID
+from parisph.base.fields import FLUID, WALL
 from parisph.case.bodies import Obstacle, Plate, StillWater
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import wall_mesh
 from parisph.kernels import solids
 from parisph.kernels.cells import nearby, neighbour_lists
-from parisph.kernels.records import cloud_of
+from parisph.kernels.records import cloud_of, no_walls
 from tests.pools import elements_near, mesh_of
 from tests.wall_scenes import filled
 
@@ -194,3 +194,43 @@ def test_in_an_open_room_the_quick_lists_are_the_full_ones(walls, nothing_hidden
     if nothing_hidden:
         np.testing.assert_array_equal(lists[0][:count[0]], lists[1][:count[1]])
         np.testing.assert_array_equal(solids.seen_neighbours(cloud, near)[1], cloud.indices)
+
+
+def test_elements_in_one_plane_share_its_number():
+    corners = block(4, 4, 4)
+    numbers = solids.plane_numbers(corners, np.zeros(len(corners), np.int64), S)
+    shapes = solids.shapes_of(corners, numbers)
+    assert len(set(numbers)) == 6
+    for number in range(6):
+        plane = shapes.plane[numbers == number]
+        np.testing.assert_allclose(plane, np.broadcast_to(plane[0], plane.shape), atol=1e-14)
+    motion = (np.arange(len(corners)) % 2).astype(np.int64)    # what moves does not stay in the plane
+    assert len(set(solids.plane_numbers(corners, motion, S))) == 12
+    np.testing.assert_allclose(shapes.middle, corners.mean(axis=1), atol=1e-15)
+    np.testing.assert_allclose(shapes.size, S * np.sqrt(5.0) / 3.0)    # of half a square
+
+
+def test_known_lists_of_nodes_are_those_found_anew():
+    scene = filled(StillWater(0.9), [Tank(2.0, 1.0), Obstacle(Box(0.5, 0.3, at=(0.7, 0.0)))], S)
+    cloud, _ = scene.records()
+    corners = scene.corners
+    shapes = solids.shapes_of(corners, solids.plane_numbers(corners, np.zeros(len(corners), np.int64), S))
+    near = no_walls(0, 2)._replace(corners=corners, shapes=shapes)
+    indptr, indices = solids.near_lists(scene.x, shapes, 3.0 * S)
+    near = near._replace(indptr=indptr, indices=indices)
+    anew, _ = solids.seen_elements(cloud, near, 2.6 * S)
+    again, _ = solids.seen_elements(cloud, near, 2.6 * S, (anew.indptr, anew.indices))
+    np.testing.assert_array_equal(again.indptr, anew.indptr)
+    np.testing.assert_array_equal(again.indices, anew.indices)
+    none = np.zeros_like(anew.indptr), np.zeros(0, np.int32)
+    without, _ = solids.seen_elements(cloud, near, 2.6 * S, none)    # so they are taken
+    walls = scene.kind == WALL
+    assert not np.diff(without.indptr)[walls].any()
+    np.testing.assert_array_equal(np.diff(without.indptr)[~walls], np.diff(anew.indptr)[~walls])
+
+
+def test_lists_of_some_particles_are_replaced():
+    indptr, indices = np.array([0, 2, 2, 5], np.int32), np.array([3, 4, 5, 6, 7], np.int32)
+    found = solids.replaced(indptr, indices, np.array([0, 1]), np.array([0, 1, 3], np.int32),
+                            np.array([8, 9, 1], np.int32))
+    assert [list(one) for one in found] == [[0, 1, 3, 6], [8, 9, 1, 5, 6, 7]]

@@ -180,3 +180,30 @@ def test_bed_before_a_piston_and_behind_it():
         wetness.before_moving_walls(found, x, np.full(n, own), walls, np.array([1]), axes_of(2))
     np.testing.assert_allclose(apart, np.maximum(x[:, 0] - 0.52, 0.0), atol=1e-12)
     assert np.isinf(rest).all()
+
+
+def test_elements_are_looked_for_again_where_particles_have_moved():
+    """Walls rest: the lists of all are those of a search for all, after one particle has moved far and others a bit."""
+    mesh = wall_mesh([Tank(1.0, 1.0)], S)
+    x = np.concatenate([mesh.x0, np.random.default_rng(5).random((60, 2))])
+    n, kinds = len(x), np.repeat(np.array([WALL, FLUID], np.int8), [len(mesh.x0), 60])
+
+    def seen(*steps):
+        elements, p = WallElements(mesh, 0, S), Particles(MPI.COMM_SELF, 2, FieldSet((*Boundary.fields, "wall_u")))
+        none = np.zeros(n + 1, np.int32), np.zeros(0, np.int32)
+        p.assign({"id": np.arange(n), "kind": kinds, "x": steps[0]})
+        p.normal[:len(mesh.x0)] = mesh.normal0
+        elements.settle(p, 10.0)
+        for places in steps:
+            p.x[:] = places
+            elements.renew(p, 2.6 * S)
+            elements.look(p, 2.6 * S, *none)
+        return elements.walls
+
+    later = x.copy()
+    later[-1] = (0.02, 0.5) if x[-1, 0] > 0.5 else (0.98, 0.5)
+    later[-30:-1] += 0.1 * S
+    anew, updated = seen(later), seen(x, later)
+    np.testing.assert_array_equal(updated.indptr, anew.indptr)
+    np.testing.assert_array_equal(updated.indices, anew.indices)
+    assert not np.array_equal(seen(x).indptr, anew.indptr)
