@@ -21,13 +21,15 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 WARM, STEPS = 10, 30
-# of --whole: a scene and its parameters; the dam break to t sqrt(g/H) = 4, sloshing to t sqrt(g/d) = 50
+# of --whole: a scene and its parameters; the dam breaks to t sqrt(g/H) = 4, sloshing to t sqrt(g/d) = 50
 WHOLE = (
     ("dam_break", {"spacing": 1 / 40, "jitter": 0.2, "end_time": 4.0}),
     ("dam_break", {"spacing": 1 / 80, "jitter": 0.2, "end_time": 4.0}),
     ("small_sloshing", {"spacing": 0.1}),
     ("small_sloshing", {"spacing": 0.05}),
     ("small_sloshing", {"spacing": 0.025}),
+    ("dam_break_3d", {"spacing": 0.05}),
+    ("spheric2", {"spacing": 0.055, "end_time": 1.0}),
 )
 
 
@@ -74,7 +76,8 @@ def whole(scene, parameters, ranks):
     scale = 1e6 / (found["steps"] * found["particles"])
     phases = "  ".join(f"{name} {seconds * scale:.2f}" for name, seconds in found["cpu_phases"].items())
     print(f"{scene}, {found['particles']} particles, {ranks} ranks: {found['cpu_seconds']:.1f} CPU s for "
-          f"{found['steps']} steps, {found['cpu_seconds'] * scale:.2f} us per particle and step\n    {phases}",
+          f"{found['steps']} steps, {found['cpu_seconds'] * scale:.2f} us per particle and step, "
+          f"{found['iterations']['median']:.0f} iterations, {max(found['peak_memory_mb']):.0f} MB\n    {phases}",
           flush=True)
 
 
