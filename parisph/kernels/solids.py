@@ -80,14 +80,18 @@ def replaced(indptr: np.ndarray, indices: np.ndarray, which: np.ndarray, starts:
     return ends, left[:count].copy()
 
 
-def seen_elements(cloud: Cloud, walls: Walls, radius: float, known: Lists | None = None) -> tuple[Walls, bool]:
+def seen_elements(cloud: Cloud, walls: Walls, radius: float, known: Lists | None = None, resting: bool = False
+                  ) -> tuple[Walls, bool]:
     """Return the walls with lists of the elements within the radius [m] that are not hidden by others.
 
     walls : with the lists of `near_lists`
     known : lists by an earlier call, if no wall has moved since; those of wall particles are taken from them
+    resting : whether no wall moves; then wall particles need lists, and get them, only where something is hidden
     The second is whether nothing is hidden, as in a tank: `is_open`.
     """
     indptr, indices, free = np.empty_like(walls.indptr), np.empty_like(walls.indices), is_open(cloud, walls)
+    if free and resting:
+        known = np.zeros_like(indptr), indices
     count = keep_unhidden(indptr, indices, cloud, walls, radius, free,
                           (np.empty(0, np.int32), indices) if known is None else known)
     return walls._replace(indptr=indptr, indices=indices[:count]), free

@@ -203,8 +203,8 @@ class WallElements:
         cloud = particles.cloud(indptr, indices, self.spacing)
         near, others = self._candidates
         self.walls, free = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius,
-                                                self._seen)
-        if not self.moving:    # what nodes see does not change until particles are sorted again
+                                                self._seen, not self.moving)
+        if not (self.moving or free):    # what nodes see does not change until particles are sorted again
             self._seen = self.walls.indptr, self.walls.indices
         return (indptr, indices) if free else solids.seen_neighbours(cloud, self.walls)
 

@@ -234,3 +234,13 @@ def test_lists_of_some_particles_are_replaced():
     found = solids.replaced(indptr, indices, np.array([0, 1]), np.array([0, 1, 3], np.int32),
                             np.array([8, 9, 1], np.int32))
     assert [list(one) for one in found] == [[0, 1, 3, 6], [8, 9, 1, 5, 6, 7]]
+
+
+def test_where_nothing_is_hidden_nodes_at_rest_need_no_lists():
+    scene = filled(StillWater(0.9), [Tank(2.0, 1.0)], S)
+    cloud, near = scene.records()
+    walls = scene.kind == WALL
+    every, free = solids.seen_elements(cloud, near, 2.6 * S)
+    fewer, _ = solids.seen_elements(cloud, near, 2.6 * S, resting=True)
+    assert free and np.diff(every.indptr)[walls].all() and not np.diff(fewer.indptr)[walls].any()
+    np.testing.assert_array_equal(np.diff(fewer.indptr)[~walls], np.diff(every.indptr)[~walls])
