@@ -27,6 +27,12 @@ MEASURED = os.environ.get(measured_data.VARIABLE)
 OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twice the spacing does not fit the water
 
 
+@pytest.fixture(scope="module", params=FILES, ids=lambda file: file.stem)
+def file(request):
+    """One after the other through all its tests, as the geometry of the last scenes is kept."""
+    return request.param
+
+
 @pytest.fixture(autouse=True)
 def only_made_data(tmp_path, monkeypatch):
     """The measured data of others is not part of a clone."""
@@ -34,7 +40,6 @@ def only_made_data(tmp_path, monkeypatch):
     monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_loads_and_is_stored_without_its_script(file):
     case = load(file)
     assert Case.model_validate_json(case.model_dump_json()) == case
@@ -47,7 +52,6 @@ def test_loads_and_is_stored_without_its_script(file):
     assert other.numerics.time_step is None or other.numerics.time_step < 5.0 * stable_time_step(other)[0]
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_readme_lists_it_with_its_size(file):
     row = re.search(rf"^\| `{file.name}`.*$", (CASES / "README.md").read_text(encoding="utf-8"), re.M).group()
     case = load(file)
@@ -58,7 +62,6 @@ def test_readme_lists_it_with_its_size(file):
         assert int(cells[4]) == steps, "a run ends within half a step of its end time"
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_geometry_has_no_faults_when_coarse(file):
     case = load(file, {"spacing": OTHER.get(file.stem, 2.0) * parameters(file)["spacing"][0]})
     scene_checks.check(case)
