@@ -16,6 +16,7 @@ from parisph.case.profiles import read_profiles
 from parisph.case.schema import Case
 from parisph.case.time_scales import stable_time_step
 from parisph.case.truths import read_truth
+from parisph.driver import describe
 from parisph.geometry import build as geometry
 from parisph.geometry import scene_checks
 from parisph.truth import norms
@@ -60,6 +61,13 @@ def test_readme_lists_it_with_its_size(file):
     if case.numerics.time_step is not None:
         steps = round(case.end_time / case.numerics.time_step)
         assert int(cells[4]) == steps, "a run ends within half a step of its end time"
+
+
+def test_is_described(file):
+    told = describe(load(file))
+    lines = dict(line.split(None, 1) for line in told.splitlines() if not line.startswith(("end time", " ")))
+    assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
+    assert "times the step" not in told and "caught in the corner" not in told
 
 
 def test_geometry_has_no_faults_when_coarse(file):
