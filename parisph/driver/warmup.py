@@ -17,7 +17,7 @@ from parisph.watch import instruments
 from parisph.watch.probes.energy_probe import Energy
 from parisph.watch.probes.volume import Volume
 
-CELLS = 12     # spacings: sides of the small tank
+CELLS = 8      # spacings: sides of the small tank
 FILLED = 6     # spacings: sides of the body of fluid in it
 STEP = 1e-3    # [s]: very short
 
