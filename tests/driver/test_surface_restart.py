@@ -23,7 +23,7 @@ def fall(end):
     return Case(title="Rock", fluid=Fluid(Box(width=0.6, height=0.5, breadth=0.6), 1000.0), gravity=(0.0, -9.81),
                 walls=[Tank(width=1.2, height=0.8, breadth=0.6), Surface("rock.stl", name="rock")],
                 numerics=Numerics(spacing=0.1, rtol=1e-13, time_step=0.01), end_time=end,
-                output=Output(every=0.05, checkpoint_every=0.05))
+                output=Output(every=0.05, checkpoint_every=0.1))
 """
 FIRST = """
 driver.run(fall(0.2), comm, "whole", progress=False)
