@@ -132,7 +132,11 @@ FIELDS = {
               "of a wall particle: 0 without fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               **OWN),
         Field("share", "scalar", np.float64, "",
-              "part of the half cell at a wall particle that fluid represents (kernels.halves), 1 for fluid", **OWN),
+              "part of the half cell at a wall particle that fluid represents; of fluid, the part of those around it "
+              "that it represents (kernels.halves)", **OWN),
+        Field("spare", "scalar", np.float64, "", "half cells of walls that fluid carries away, over s^dim", **OWN),
+        Field("beside", "scalar", np.float64, "",
+              "half cells of walls that fluid represented at the start, over s^dim", **KEPT),
         Field("weight", "scalar", np.float64, "",
               "cell of the particle over s^dim: of a wall particle, the part inside the fluid (kernels.density); of "
               "inner fluid, that of the stretched lattice at the start", written=False, default=1.0),

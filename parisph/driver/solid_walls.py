@@ -51,7 +51,12 @@ def complete(case: Case, flow: Flow, names: Collection[str]) -> None:
     In such a release, a tank without other walls had no elements. names : fields of the checkpoint
     """
     p = flow.particles
-    if "area" in names or not p.n_global:
+    if not p.n_global:
+        return
+    if flow.half_cells and "beside" not in names:    # exact where fluid began on the lattice
+        p.beside[:] = np.where(p.kind == FLUID, flow.cells[:p.n_owned] - np.where(p.half == 1, 0.5, p.weight), 0.0)
+        np.maximum(p.beside, 0.0, out=p.beside)
+    if "area" in names:
         return
     walls = np.flatnonzero(p.kind == WALL)
     p.body[:] = -1

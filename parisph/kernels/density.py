@@ -372,39 +372,3 @@ def _solid_angle(a, b, c):
     below = la * lb * lc + (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * lc
     below += (b[0] * c[0] + b[1] * c[1] + b[2] * c[2]) * la + (c[0] * a[0] + c[1] * a[1] + c[2] * a[2]) * lb
     return volume, below
-
-
-@kernel
-def node_sums(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
-              area: np.ndarray, share: np.ndarray, table: KernelTable) -> None:
-    """Write the contribution to `completed_density` of half cells at nodes that no fluid represents.
-
-    Where fluid has come to a wall, its first particles are half a spacing from it, and no node lies between. The sum is
-    then that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one.
-
-    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as in `completed_density`
-    share : (n_all,), the part of its half cell that fluid represents (halves.wall_share)
-    """
-    axes = cloud.axes
-    dim, away = len(axes), np.empty(len(axes))
-    for i in range(len(ratio)):
-        ratio[i] = 0.0
-        gradient[i, :] = 0.0
-        if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
-            continue
-        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
-            j = cloud.indices[k]
-            if cloud.kind[j] != WALL or share[j] == 1.0:
-                continue
-            lack = 1.0 - share[j]
-            r2, before = 0.0, 0.0
-            for a in range(dim):
-                away[a] = cloud.x[i, a] - cloud.x[j, a]
-                r2 += away[a] ** 2
-                before += away[a] * area[j, a]
-            r, half = math.sqrt(r2), lack * weight[j]
-            b = 1.5 * lack * _entry(table, 1, r)
-            ratio[i] += (half * cubic_spline(r, table.h, dim) + before * b) / table.full
-            slope = half * cubic_spline_slope(r, table.h, dim) + 1.5 * lack * before * _entry(table, 2, r)
-            for a in range(dim):
-                gradient[i, a] += (slope * away[a] + b * area[j, a]) / table.full

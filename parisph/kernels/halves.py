@@ -1,9 +1,9 @@
-"""Half cells beside walls: does any fluid represent them?
+"""Half cells beside walls, each counted once.
 
 A wall particle replaces a neighbour one spacing away, so fluid beside a wall is at rest in the kernel sums one spacing
-in front of it. Fluid that starts there represents the half cell at the wall as well, 3/2 cells in all. Fluid that
-arrives later represents one cell, and its equilibrium is half a spacing from the wall: a wall particle would be one too
-many.
+in front of it. Fluid that starts there represents the half cell at the wall as well, 3/2 cells in all. The half cell
+counts at the wall as long as this fluid is beside it, and with the fluid when it has left. Fluid that arrives later
+represents one cell, and its equilibrium is half a spacing from the wall.
 """
 
 import math
@@ -16,8 +16,6 @@ from parisph.kernels.records import Cloud
 
 # Fluid this near a wall represents the half cell there; farther away a second layer has room.
 LAYER = 1.5     # tuned 0.75 to 3: spacings from a wall to the end of the first layer; judged
-# For fluid compressed along the wall, which may represent more than all half cells:
-FAR_BEFORE = 2.0    # tuned 1 to 4: spacings to the end of the fluid that represents half cells; judged
 
 
 @inlined
@@ -29,32 +27,64 @@ def deeper(corner: int) -> float:
     return math.sqrt(1.5) if corner else 1.0
 
 
-@kernel
-def wall_share(share: np.ndarray, cloud: Cloud, cells: np.ndarray, most: float, before: float) -> None:
-    """Write the part of the half cells at owned wall particles that fluid in front represents, 1 for fluid.
+@inlined
+def before(i: int, j: int, cloud: Cloud, layer: float) -> float:
+    """Return the part of wall particle i that fluid particle j is before.
 
-    share_i = min(most, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (cells_j - 1))), over the fluid within `before`
-    [spacings] of the wall, in corners of 3D within `deeper` times that, with the distance t_ij < s along the wall.
-
-    share : (n_owned,) output; cells : (n_all,), number of its cells that a particle represents
+    It is (1 - t/s) a, with the distance t < s along the wall. a is 1 up to `layer` [spacings] in front of it, and falls
+    to 0 one spacing farther, in corners of 3D at `deeper` times that.
     """
-    x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
-    for i in range(len(share)):
-        share[i] = 1.0
+    away, r2 = 0.0, 0.0
+    for a in range(len(cloud.axes)):
+        away += (cloud.x[j, a] - cloud.x[i, a]) * cloud.normal[i, a]
+        r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
+    along = math.sqrt(max(r2 - away * away, 0.0)) / cloud.spacing
+    away /= cloud.spacing
+    if len(cloud.axes) == 3:
+        away /= deeper(cloud.corner[i])
+    if 0.0 < away < layer + 1.0 and along < 1.0:
+        return (1.0 - along) * min(layer + 1.0 - away, 1.0)
+    return 0.0
+
+
+@kernel
+def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarray, weight: np.ndarray) -> None:
+    """Write what owned fluid represents of the half cells around it, and what it carries of those that it left.
+
+    With Q_j = sum_i weight_i before_ij over wall particles, for a layer of one spacing as on the lattice, share_j =
+    min(1, beside_j/Q_j), and spare_j = max(0, beside_j - Q_j). Both are 0 for walls, and for fluid that started away
+    from walls.
+
+    share, spare : (n_all,) outputs; beside : (n_owned,), half cells over s^dim at the start
+    weight : (n_all,), of nodes the part of a cell inside the fluid
+    """
+    for j in range(len(cloud.indptr) - 1):
+        share[j], spare[j] = 0.0, 0.0
+        if cloud.kind[j] != FLUID or not beside[j] > 0.0:
+            continue
+        total = 0.0
+        for k in range(cloud.indptr[j], cloud.indptr[j + 1]):
+            i = cloud.indices[k]
+            if cloud.kind[i] == WALL:
+                total += weight[i] * before(i, j, cloud, 1.0)
+        share[j] = 1.0 if total <= beside[j] else beside[j] / total
+        spare[j] = max(beside[j] - total, 0.0)
+
+
+@kernel
+def wall_share(share: np.ndarray, cloud: Cloud) -> None:
+    """Write the part of the half cells at owned wall particles that fluid represents: the sum of share_j before_ij.
+
+    Fluid pressed together along a wall represents more than one.
+
+    share : (n_all,), that of fluid is read (`claims`)
+    """
+    for i in range(len(cloud.indptr) - 1):
         if cloud.kind[i] != WALL:
             continue
         total = 0.0
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
             j = cloud.indices[k]
-            if cloud.kind[j] != FLUID:
-                continue
-            away, r2 = 0.0, 0.0
-            for a in range(len(cloud.axes)):
-                away += (x[j, a] - x[i, a]) * normal[i, a]
-                r2 += (x[j, a] - x[i, a]) ** 2
-            along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
-            if len(cloud.axes) == 3:
-                away /= deeper(cloud.corner[i])
-            if 0.0 < away < before * spacing and along < 1.0:
-                total += (1.0 - along) * min(max(2.0 * (cells[j] - 1.0), 0.0), 1.0)
-        share[i] = min(total, most)
+            if cloud.kind[j] == FLUID and share[j] > 0.0:
+                total += share[j] * before(i, j, cloud, 1.0)
+        share[i] = total

@@ -9,7 +9,8 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import BALLISTIC, INNER, SURFACE
+from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
+from parisph.kernels.halves import LAYER
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud
 
@@ -20,9 +21,9 @@ MOST = 256  # neighbours of one particle; a cell with more is skipped
 def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]:
     """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
 
-    Inside are inner particles farther than `away` from every surface and ballistic particle. The sites are fluid and
-    wall particles. A cell that the neighbours within the reach do not close is skipped, because its area would depend
-    on the lists.
+    Inside are inner particles farther than `away` from every surface and ballistic particle, and beyond the first layer
+    before a wall, whose cells include half cells of walls or not. The sites are fluid and wall particles. A cell that
+    the neighbours within the reach do not close is skipped, because its area would depend on the lists.
 
     away <= reach : at most the radius of the lists [m]
     """
@@ -42,13 +43,15 @@ def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]
 
 @subkernel
 def _neighbours(rx, ry, limit, i, cloud, away, reach):
-    """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near the surface."""
-    x, role, n = cloud.x, cloud.role, 0
+    """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near surface and walls."""
+    x, role, n, wall = cloud.x, cloud.role, 0, LAYER * cloud.spacing
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
         dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
         d2 = dx * dx + dy * dy
         if (role[j] == SURFACE or role[j] == BALLISTIC) and d2 < away * away:
+            return 0
+        if cloud.kind[j] == WALL and d2 < wall * wall:
             return 0
         if d2 < reach * reach:
             if n == len(rx):

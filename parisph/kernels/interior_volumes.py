@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.base.fields import BALLISTIC, INNER, SURFACE
+from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
+from parisph.kernels.halves import LAYER
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud
 
@@ -31,8 +32,9 @@ def spiral(many: int = DIRECTIONS) -> Floats:
 def interior_volumes(cloud: Cloud, away: float, reach: float, toward: np.ndarray) -> tuple[float, int]:
     """Return (sum of the volumes [m^3], number) of the Voronoi cells of owned particles inside the fluid.
 
-    Inside are inner particles farther than `away` from every surface and ballistic particle. The sites are fluid and
-    wall particles. A cell that the neighbours within the reach do not close is skipped.
+    Inside are inner particles farther than `away` from every surface and ballistic particle, and beyond the first layer
+    before a wall, whose cells include half cells of walls or not. The sites are fluid and wall particles. A cell that
+    the neighbours within the reach do not close is skipped.
 
     away <= reach : at most the radius of the lists [m]; toward : (3, m), evenly spread unit vectors
     """
@@ -60,13 +62,15 @@ def interior_volumes(cloud: Cloud, away: float, reach: float, toward: np.ndarray
 
 @subkernel
 def _neighbours(d, size, i, cloud, away, reach):
-    """Write r_ij and |r_ij| of the neighbours within the reach; return their number, 0 near the surface."""
-    x, role, n = cloud.x, cloud.role, 0
+    """Write r_ij and |r_ij| of the neighbours within the reach; return their number, 0 near surface and walls."""
+    x, role, n, wall = cloud.x, cloud.role, 0, LAYER * cloud.spacing
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         d2 = dx * dx + dy * dy + dz * dz
         if (role[j] == SURFACE or role[j] == BALLISTIC) and d2 < away * away:
+            return 0
+        if cloud.kind[j] == WALL and d2 < wall * wall:
             return 0
         if 0.0 < d2 < reach * reach:
             if n == len(size):

@@ -8,15 +8,10 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
-# The solid behind a wall does not move as fluid there would, so it holds a layer at its distance half as stiffly. Dam
-# break (H/s = 40, twelve starts): noise of P2 .011 with 1, .0085 with 1.5, .0085 with 2, .008 with 3; error of P2 .074,
-# .061, .062, .063.
-STIFF = 1.5    # tuned 0.75 to 3: weight of the gradient of concentration across a wall; measured
-
 
 @kernel
-def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndarray, rapid: np.ndarray,
-                doubt: np.ndarray, limit: float, reach: float) -> None:
+def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, doubt: np.ndarray, limit: float,
+                reach: float) -> None:
     """Write the relative density error that the position projection removes.
 
     e = alpha - 1 at inner particles, clipped to +-limit. With a surface particle within the reach [m], only the excess
@@ -25,52 +20,15 @@ def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndar
     energy.
 
     e : (n_owned,) output; alpha, doubt : (n_owned,)
-    surplus : (n_owned,), the part of alpha that `less_pushed` leaves out; rapid : (n_owned,), 0 to 1
     """
     role, reach2, bare = cloud.role, reach * reach, _without_equation(cloud.kind, cloud.role)
     for i in range(len(cloud.indptr) - 1):
         e[i] = 0.0
         if role[i] != INNER:
             continue
-        full = min(max(alpha[i] - 1.0, -limit), limit)
-        less = min(max(alpha[i] - surplus[i] - 1.0, -limit), limit)
-        if (full != 0.0 or less != 0.0) and _any(bare, i, cloud) and _near_surface(i, bare, reach2, cloud):
-            full, less = max(full - doubt[i], 0.0), max(less - doubt[i], 0.0)
-        e[i] = less_pushed(full, less, rapid[i]) if surplus[i] != 0.0 else full
-
-
-@kernel
-def push_off_less(gradient: np.ndarray, surplus: np.ndarray, rapid: np.ndarray) -> None:
-    """Reduce the part of the concentration gradient by which half cells that no fluid represents push fluid off a wall.
-
-    The rest counts STIFF times.
-
-    gradient : (n_owned, dim), changed; surplus : (n_owned, dim), its part by those half cells
-    rapid : (n_owned,), 0 to 1, the part of the surplus that is left out
-    """
-    dim = surplus.shape[1]
-    for i in range(len(surplus)):
-        size = 0.0
-        for a in range(dim):
-            size += surplus[i, a] ** 2
-        if size == 0.0:    # most particles: no wall is near
-            continue
-        size = math.sqrt(size)
-        push = 0.0
-        for a in range(dim):
-            push += gradient[i, a] * surplus[i, a] / size
-        change = STIFF * less_pushed(push, push - size, rapid[i]) - push
-        for a in range(dim):
-            gradient[i, a] += change * surplus[i, a] / size
-
-
-@subkernel
-def less_pushed(push: float, less: float, rapid: float) -> float:
-    """Return a push without its surplus in rapid flow, at least 0.
-
-    push : with the surplus; less : without it; rapid : 0 to 1
-    """
-    return push + rapid * (min(max(less, 0.0), push) - push)    # this order keeps NaN
+        e[i] = min(max(alpha[i] - 1.0, -limit), limit)
+        if e[i] != 0.0 and _any(bare, i, cloud) and _near_surface(i, bare, reach2, cloud):
+            e[i] = max(e[i] - doubt[i], 0.0)
 
 
 @subkernel

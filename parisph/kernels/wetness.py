@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import ABSENT, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.edges import edge_direction
-from parisph.kernels.halves import LAYER, deeper
+from parisph.kernels.halves import LAYER, before, deeper
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.solids import element_normal, nearest_point
@@ -14,8 +14,6 @@ from parisph.kernels.solids import element_normal, nearest_point
 # Lengths in spacings.
 TOUCH = 0.55    # tuned 0.275 to 1: fluid that touches a wall; the guard stops it at half a spacing; judged
 BESIDE = 0.75   # tuned 0.5 to 1.5: along the wall, from a wall particle to fluid in front of it; judged
-# Fluid within LAYER in front of a wall particle covers it.
-FAR = 2.5       # tuned 1.6 to 5: fluid in front of a wall particle that no longer covers it; judged
 FELT = 0.75     # tuned 0.5 to 1.5: fluid that feels the friction of a wall particle, wet or not; judged
 NEARBY = 1.6    # tuned 0.8 to 3.2: inner fluid behind an advancing water line; judged
 NEXT = 1.5      # tuned 1 to 3: from a wall particle to the next on its wall, or beyond a corner; judged
@@ -110,11 +108,9 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
 def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
     """Write the part of each owned wall particle that fluid covers, 0 to 1; fluid gets 1.
 
-    covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall. a_ij is 1 for fluid up to
-    LAYER in front of it, and falls to 0 at FAR, in corners of 3D at `deeper` times that. The solid behind dry walls
-    completes no kernel sums: above the water line there is no fluid to continue.
+    covered_i = min(1, sum_j before_ij) (halves.before) for a layer of LAYER. The solid behind dry walls completes no
+    kernel sums: above the water line there is no fluid to continue.
     """
-    x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
     for i in range(len(cloud.indptr) - 1):
         covered[i] = 1.0
         if cloud.kind[i] != WALL:
@@ -122,17 +118,8 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
         total = 0.0
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
             j = cloud.indices[k]
-            if cloud.kind[j] != FLUID:
-                continue
-            away, r2 = 0.0, 0.0
-            for a in range(len(cloud.axes)):
-                away += (x[j, a] - x[i, a]) * normal[i, a]
-                r2 += (x[j, a] - x[i, a]) ** 2
-            along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
-            if len(cloud.axes) == 3:
-                away /= deeper(cloud.corner[i])
-            if 0.0 < away < FAR * spacing and along < 1.0:
-                total += (1.0 - along) * min((FAR - away / spacing) / (FAR - LAYER), 1.0)
+            if cloud.kind[j] == FLUID:
+                total += before(i, j, cloud, LAYER)
         covered[i] = min(total, 1.0)
 
 

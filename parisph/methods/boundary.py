@@ -46,13 +46,22 @@ class Boundary:
         return ("covered",)
 
     def completion(self, flow: "Flow", least: int) -> Completion:
-        """Return the completion of sums by the covered parts of walls. Computed once in a step, after the surface."""
+        """Return the completion of sums by the covered parts of walls. Computed once in a step, after the surface.
+
+        Half cells count where they are (kernels.halves). Where no fluid represents that of a node, the first particles
+        are half a spacing from the wall, and the sum is that of the midpoint rule, whose end correction is -1/2 of the
+        trapezoidal one.
+        """
         p, known = flow.particles, flow.step.completions
         if least not in known:
             part = np.empty(p.n_all)
             wetness.counted(part, flow.cloud, p.closing_all if flow.open else ALL_WET, p.covered_all, least)
-            known[least] = Completion(self.elements.mean_of_nodes(part), p.weight_all * part,
-                                      p.area_all * part[:, None])
+            present, weight, area = self.elements.mean_of_nodes(part), p.weight_all * part, p.area_all * part[:, None]
+            if flow.half_cells:
+                held = np.where(p.kind_all == WALL, p.share_all, 1.0)
+                weight = weight * held + p.spare_all
+                area *= (1.5 * held - 0.5)[:, None]
+            known[least] = Completion(present, weight, area)
         return known[least]
 
     def present(self, flow: "Flow", least: int) -> Walls:
@@ -65,15 +74,6 @@ class Boundary:
         density.completed_density(ratio, gradient, flow.cloud, self.present(flow, least), found.weight, found.area,
                                   self.table)
         return gradient
-
-    def surplus(self, ratio: Floats, gradient: Floats, share: Floats, flow: "Flow") -> None:
-        """Write the contribution of half cells at walls that no fluid represents.
-
-        ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs
-        share : (n_all,), the part of its half cell that fluid represents (halves.wall_share)
-        """
-        _, weight, area = self.completion(flow, wetness.FREE)
-        density.node_sums(ratio, gradient, flow.cloud, self.elements.walls, weight, area, share, self.table)
 
     def cells(self, flow: "Flow") -> Floats:
         """Return the part (n_all,) of its cell that each particle fills, as for kernels.surface_rows."""

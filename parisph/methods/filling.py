@@ -56,6 +56,7 @@ def weigh_cells(flow: Flow) -> None:
     inner = np.flatnonzero((p.kind == FLUID) & (p.role == INNER))
     cells, beside = p.volume_all / s**p.dim, _beside(flow)
     cells -= beside
+    remember_beside(flow, beside)
     halve(flow, cells, (beside > 0.0) | _at_slopes(flow))
     p.weight[inner] = cells[inner]
     d.update("weight", "half")
@@ -97,8 +98,15 @@ def halve_on_lattice(flow: Flow) -> None:
     Where three walls meet at the surface, a particle has 9/8 of a cell, half of which is above the water.
     """
     beside = _beside(flow)
+    remember_beside(flow, beside)
     halve(flow, flow.cells - beside, beside > 0.0)
     flow.domain.update("half")
+
+
+def remember_beside(flow: Flow, beside: Floats) -> None:
+    """Write the half cells of nodes that fluid represents (n_all,) where a part asks for them. Not collective."""
+    if flow.half_cells:
+        flow.particles.beside[:] = beside[:flow.particles.n_owned]
 
 
 def halve(flow: Flow, cells: Floats, at_walls: Flags) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.base.fields import INNER
 from parisph.case.numerics import ResolvedNumerics
-from parisph.kernels import halves, movement, pairs, shifting, strain, wetness
+from parisph.kernels import movement, pairs, shifting, strain, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
 from parisph.parallel.sums import sums
@@ -92,7 +92,6 @@ class VoidFilling(PositionProjection):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        dense(flow)
         error = voids(flow)
         error[np.abs(p.weight - 1.0) > VOID] = 0.0
         if sums(p.comm, int(np.any(error)))[0]:
@@ -105,18 +104,10 @@ class VoidFilling(PositionProjection):
 def voids(flow: "Flow") -> Floats:
     """Return the excess of the mean density error around each inner particle below -VOID: (n_owned,). Collective.
 
-    The mean removes the scatter of disorder. Its initial value is not a void, and is subtracted. Fluid that is
-    compressed along a wall represents more of the wall's half cells, and stretched fluid less.
+    The mean removes the scatter of disorder. Its initial value is not a void, and is subtracted.
     """
     p, d = flow.particles, flow.domain
-    error = p.alpha.copy()    # minus the surplus at walls
-    if flow.open:    # here `lack` is the represented part of half cells
-        halves.wall_share(p.lack, flow.cloud, flow.cells, np.inf, halves.FAR_BEFORE)
-        d.update("lack")
-        pressed = np.empty_like(error)
-        flow.walls.surplus(pressed, np.empty_like(p.x), p.lack_all, flow)
-        error -= pressed
-    p.lack[:] = compression(flow, error, flow.step.doubt)
+    p.lack[:] = density_error(flow)
     d.update("lack")
     found = np.zeros(p.n_owned)
     if np.any(p.lack_all < -VOID):    # otherwise all means are above -VOID
@@ -171,8 +162,6 @@ class FickShift(Regulariser):
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
         p.grad_alpha[:] = dense(flow)
-        if n.shift_strain:
-            shifting.push_off_less(p.grad_alpha, surplus(flow)[1], flow.step.rapid)
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)
@@ -215,8 +204,8 @@ class KeepApart(Limiter):
 
 
 def _share_of(numerics: ResolvedNumerics) -> tuple[str, ...]:
-    """Return the field of the walls' shares (methods.surfaces), if fluid may reach further walls."""
-    return ("share",) if SURFACES[numerics.surface_rule].open else ()
+    """Return the fields of half cells (methods.surfaces), if fluid may leave walls and reach others."""
+    return ("share", "spare", "beside") if SURFACES[numerics.surface_rule].open else ()
 
 
 def dense(flow: "Flow") -> Floats:
@@ -226,43 +215,22 @@ def dense(flow: "Flow") -> Floats:
     return flow.preparation.dense
 
 
-def surplus(flow: "Flow") -> tuple[Floats, Floats]:
-    """Return what half cells that no fluid represents add to alpha (n_owned,) and to its gradient (n_owned, dim).
-
-    Computed once in a preparation.
-    """
-    p, found = flow.particles, flow.preparation.surplus
-    if found is None:
-        found = flow.preparation.surplus = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
-        if flow.open:
-            flow.walls.surplus(*found, p.share_all, flow)
-    return found
-
-
 def density_error(flow: "Flow") -> Floats:
-    """Return the density error for the position projection: (n_owned,). Also writes alpha.
-
-    A wall whose half cells no fluid represents neither repels nor attracts rapid fluid: e = min(e, max(e', 0)) with the
-    error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall counts fully. This lifts
-    shallow flow: a reservoir 7 particles deep gains 1 % of its energy until it meets a sill. Without the lift P2 of the
-    dam break at H/s = 40 errs by .07 to .08 instead of .05.
-    """
+    """Return the density error for the position projection: (n_owned,). Also writes alpha."""
     dense(flow)
-    return compression(flow, flow.particles.alpha, flow.step.doubt, surplus(flow)[0], flow.step.rapid)
+    return compression(flow, flow.step.doubt)
 
 
-def compression(flow: "Flow", alpha: Floats, doubt: Floats | None = None, more: Floats | None = None,
-                rapid: Floats | None = None) -> Floats:
-    """Return alpha - 1 (n_owned,) of inner particles, within +-.1, near the surface only its excess over the doubt.
+def compression(flow: "Flow", doubt: Floats | None = None) -> Floats:
+    """Return alpha - 1 (n_owned,) of inner particles, within +-LIMIT, near the surface only its excess over the doubt.
 
-    In rapid fluid the surplus is left out.
-
-    alpha : (n_owned,); doubt, rapid : (n_owned,), default 0; more : (n_owned,), the surplus in alpha, default 0
+    doubt : (n_owned,), default 0
     """
-    e, zero = np.empty_like(alpha), np.zeros_like(alpha)
-    doubt, more, rapid = (zero if one is None else one for one in (doubt, more, rapid))
-    shifting.compression(e, flow.cloud, alpha, more, rapid, doubt, LIMIT, lengths.WALL * flow.spacing)
-    return e
+    alpha = flow.particles.alpha
+    found = np.empty_like(alpha)
+    shifting.compression(found, flow.cloud, alpha, np.zeros_like(alpha) if doubt is None else doubt, LIMIT,
+                         lengths.WALL * flow.spacing)
+    return found
 
 
 def displace(flow: "Flow", move: Floats) -> None:

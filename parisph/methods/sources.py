@@ -46,7 +46,7 @@ class MixedSource(Source):
         assert zeta is not None
         target = self._of_velocity(flow, dt, zeta)
         if n.gamma > 0.0:
-            target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha)
+            target -= n.gamma * density / dt**2 * compression(flow)
         return target
 
     def _of_velocity(self, flow: "Flow", dt: float, zeta: float) -> Floats:
@@ -78,7 +78,7 @@ class DensityInvariance(Source):
     name, source, fields = "density", "Z14 Eq 18", ("alpha",)
 
     def target(self, flow: "Flow", dt: float) -> Floats:
-        return -flow.density / dt**2 * compression(flow, flow.particles.alpha)
+        return -flow.density / dt**2 * compression(flow)
 
 
 class ErrorCompensating(Source):
@@ -92,7 +92,7 @@ class ErrorCompensating(Source):
 
     def target(self, flow: "Flow", dt: float) -> Floats:
         p = flow.particles
-        e, before = compression(flow, p.alpha), np.empty(p.n_owned)
+        e, before = compression(flow), np.empty(p.n_owned)
         flow.rows.divergence(before, p.u_all)
         found: Floats = flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
         return found

@@ -72,5 +72,4 @@ class Preparation:
 
     pairs: dict[float, Cloud] = field(default_factory=dict)    # {distance [spacings]: Flow.close_pairs}
     dense: Floats | None = None    # of positions.dense
-    surplus: tuple[Floats, Floats] | None = None    # of positions.surplus
     top_speed: float = 0.0    # of fluid, on all ranks [m/s], if a part needs it

@@ -28,8 +28,8 @@ REGAIN = 1.5    # tuned 1 to 3: floor at which free flight on a frozen surface e
 def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     """Write the field role by the free surface and the wet walls. Collective.
 
-    If a part needs it, also write the field share, the part of half cells at walls that fluid represents. Fluid that
-    fills a closed tank represents all of them.
+    If a part needs them, also write the fields share and spare of half cells at walls. Fluid that fills a closed tank
+    represents all of them.
 
     flow.step.force : (n_all, dim) [m/s^2], and dt [s]: of the step that begins
     """
@@ -38,11 +38,14 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
         rule.find(flow, p.kind_all)
         return
     wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.step.force, dt)
-    if flow.half_cells:
-        halves.wall_share(p.share, flow.cloud, flow.cells, 1.0, halves.LAYER)
     also = flow.walls.cover(flow)
+    if flow.half_cells:
+        halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, p.weight_all)
+        d.update("share", "spare")
+        halves.wall_share(p.share_all, flow.cloud)
+        also = (*also, "share")
     flow.step.completions.clear()
-    d.update("closing", *(("share",) if flow.half_cells else ()), *also)
+    d.update("closing", *also)
     if flow.weighed:
         flow.walls.density(p.alpha, flow, wetness.CLOSING)
     rule.find(flow, flow.seen(wetness.CLOSING))

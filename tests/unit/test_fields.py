@@ -14,9 +14,10 @@ from tests.scenes import scene
 # Beside those that every scene has. Still water, and waves that do not break; a dam break; a driven cavity.
 OWN = {
     "hydrostatic": {"closing", "alpha", "pairs", "acceleration", "acceleration_before", "expansion", "left",
-                    "laplacian", "p_earliest", "grad_u", "strain_rate", "lack", "hollow", "phi", "share"},
+                    "laplacian", "p_earliest", "grad_u", "strain_rate", "lack", "hollow", "phi", "share", "spare",
+                    "beside"},
     "dam_break": {"closing", "alpha", "grad_u", "strain_rate", "pairs", "phi", "grad_alpha", "turn",
-                  "share", "lack", "hollow"},
+                  "share", "spare", "beside", "lack", "hollow"},
     "lid_driven_cavity": {"grad_u", "strain_rate", "pairs", "grad_alpha", "no_slip", "wall_u", "nu", "viscous"},
 }
 

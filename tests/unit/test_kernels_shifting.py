@@ -33,10 +33,9 @@ def test_gradient_at_the_surface_points_into_the_fluid(dim):
 # -- what the position projection corrects ------------------------------------------------------------
 
 
-def error(pool, alpha, doubt=0.0, surplus=0.0, rapid=0.0):
+def error(pool, alpha, doubt=0.0):
     e = np.full(pool.n, np.nan)
-    surplus, rapid, doubt = (np.full(pool.n, value) for value in (surplus, rapid, doubt))
-    shifting.compression(e, pool.cloud, alpha, surplus, rapid, doubt, LIMIT, REACH * pool.spacing)
+    shifting.compression(e, pool.cloud, alpha, np.full(pool.n, doubt), LIMIT, REACH * pool.spacing)
     return e
 
 
@@ -58,21 +57,6 @@ def test_near_the_surface_only_what_exceeds_the_doubt_is_compression(dim):
         assert np.all(e[~inner] == 0.0)
         np.testing.assert_allclose(e[near], expected, atol=1e-12)
         np.testing.assert_allclose(e[inner & ~near], np.clip(alpha - 1.0, -LIMIT, LIMIT), rtol=1e-12)
-
-
-@dims
-def test_rapid_fluid_is_not_pushed_by_a_surplus(dim):
-    """Of alpha - 1 = .04 and a surplus of .03 or .06 less is left, but it does not attract."""
-    pool = tank((9, 9) if dim == 2 else (6, 6, 8))
-    inner = pool.role == INNER
-    near = inner & (pool.index[:, -1] > pool.top[-1] - REACH)
-    for surplus, rapid, left in ((0.03, 1.0, 0.01), (0.06, 1.0, 0.0), (0.03, 0.5, 0.025), (0.03, 0.0, 0.04)):
-        e = error(pool, np.full(pool.n, 1.04), surplus=surplus, rapid=rapid)
-        np.testing.assert_allclose(e[inner], left, atol=1e-12)
-    thin = error(pool, np.full(pool.n, 0.96), surplus=0.03, rapid=1.0)    # a void stays one
-    np.testing.assert_allclose(thin[inner & ~near], -0.04, atol=1e-12)
-    doubted = error(pool, np.full(pool.n, 1.04), doubt=0.02, surplus=0.01, rapid=1.0)
-    np.testing.assert_allclose(doubted[near], 0.01, atol=1e-12)
 
 
 def test_free_flying_particles_count_as_surface():

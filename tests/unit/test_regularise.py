@@ -7,7 +7,7 @@ import pytest
 
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.presets import WITHOUT_FILMS
-from parisph.kernels import shifting, strain
+from parisph.kernels import strain
 from parisph.methods import potential, regularising, straining, velocities
 from tests.scenes import scene, simulated
 
@@ -153,53 +153,3 @@ def test_fluid_moves_with_no_velocity_that_takes_it_into_a_wall(falling):
     room = s.numerics.wall_guard * s.numerics.spacing
     assert (p.x + 0.01 * kept)[fluid].min() > (1.0 - 1e-9) * min(room, p.x[fluid].min())
     assert np.all(kept[fluid] <= 1e-12) and kept[fluid].min() == -5.0
-
-
-def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it():
-    push, less = np.array([0.4, 0.4, 0.4, -0.1]), np.array([0.3, 0.1, -0.2, -0.5])
-    for rapid, expected in ((1.0, [0.3, 0.1, 0.0, -0.1]), (0.5, [0.35, 0.25, 0.2, -0.1]), (0.0, push)):
-        found = [shifting.less_pushed(*pair, rapid) for pair in zip(push, less)]
-        np.testing.assert_allclose(found, expected, atol=1e-15)
-    assert np.isnan([shifting.less_pushed(*pair, 1.0) for pair in ((0.4, np.nan), (np.nan, 0.4))]).all()
-    # a surplus along (.6, .8), and none
-    surplus, along = np.outer(push - less, [0.6, 0.8]), np.array([0.8, -0.6])
-    for sign in (1.0, -1.0):
-        gradient = np.vstack([np.outer(push, [0.6, 0.8]) + sign * along, [[0.3, -2.0]]])
-        shifting.push_off_less(gradient, np.vstack([surplus, [[0.0, 0.0]]]), np.array([1.0, 0.5, 0.0, 1.0, 1.0]))
-        np.testing.assert_allclose(gradient[:4] @ [0.6, 0.8] / shifting.STIFF, [0.3, 0.25, 0.4, -0.1], atol=1e-15)
-        np.testing.assert_allclose(gradient[:4] @ along, sign, rtol=1e-14)
-        np.testing.assert_array_equal(gradient[4], [0.3, -2.0])
-
-
-def test_moves_together_lead_no_farther_than_the_cap_but_for_a_free_one():
-    one = np.array([[0.03, 0.0], [0.08, 0.0], [0.1, 0.0]])
-    free = np.array([[0.0, 0.04], [0.09, 0.0], [0.4, 0.0]])
-    regularising.cap_together({"projection": one, "parting": free}, ["parting"], 0.1)
-    np.testing.assert_allclose(np.linalg.norm(one + free, axis=1), [0.05, 0.1, 0.4])
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("names", ["ab", "abc", "abcd"])
-def test_moves_keep_their_directions_and_their_shares(dim, names):
-    random = np.random.default_rng(3)
-    moves = {name: random.normal(size=(50, dim)) * random.uniform(0.0, 0.1, size=(50, 1)) for name in names}
-    before = {name: move.copy() for name, move in moves.items()}
-    regularising.cap_together(moves, ["b"], 0.1)
-    whole = np.linalg.norm(sum(before.values()), axis=1)
-    longest = np.maximum(0.1, np.linalg.norm(before["b"], axis=1))
-    share = np.minimum(1.0, longest / whole)
-    assert 0 < np.count_nonzero(share < 1.0) < 50
-    for name in names:
-        np.testing.assert_allclose(moves[name], share[:, None] * before[name], rtol=1e-12)
-
-
-def test_each_preparation_finds_the_pairs_where_particles_are(falling):
-    s, p = falling, falling.particles
-    regularising.prepare(s.method.flow, s.method.parts.position_regularisers, 1e-3)
-    before = len(s.method.flow.close_pairs(0.7).indices)
-    assert len(s.method.flow.close_pairs(0.7).indices) == before > 0
-    x = p.x.copy()
-    p.x[:] *= 10.0
-    regularising.prepare(s.method.flow, (), 1e-3)
-    assert len(s.method.flow.close_pairs(0.7).indices) == 0
-    p.x[:] = x

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph import Box, Obstacle, Profile, Roll, StillWater, Sway, Tank
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
 from parisph.geometry.mesh import motions_of, wall_mesh
-from parisph.kernels import density, gradient, surface, wetness
+from parisph.kernels import gradient, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.kernels.near import Form
 from parisph.kernels.records import cloud_of, no_walls
@@ -107,19 +107,6 @@ def test_water_covers_walls_up_to_its_level():
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] < 0.51)], 1.0)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] > 0.54)], 0.0, atol=1e-12)
     assert (covered[scene.kind == FLUID] == 1.0).all()
-
-
-def test_sums_over_nodes_are_what_they_add():
-    scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
-    n, weight, area = scene.n, scene.weight.copy(), scene.area.copy()
-    alpha, slope = scene.alpha(), scene.gradient()
-    ratio, added, share = np.empty(len(scene.x)), np.empty(scene.x.shape), np.full(len(scene.x), 0.7)
-    density.node_sums(ratio, added, *scene.records(), weight, area, share, scene.table)
-    walls = scene.kind == WALL
-    scene.weight[walls], scene.area[walls] = 0.7 * weight[walls], (1.5 * 0.7 - 0.5) * area[walls]
-    np.testing.assert_allclose(alpha - scene.alpha(), ratio[:n], atol=1e-12)
-    np.testing.assert_allclose(slope - scene.gradient(), added[:n], atol=1e-10)
-    assert ratio[:n].max() > 0.01
 
 
 def lone(x, corners):

@@ -17,7 +17,7 @@ class Volume(Probe):
 
     It is dimensionless, 1 on a lattice of the spacing; fluid of another shape may start with other cells. The column
     `count` is the number of averaged cells: those of inner particles farther than 2.1 spacings from all surface and
-    ballistic particles. Without any, the mean is nan.
+    ballistic particles, and 1.5 from walls. Without any, the mean is nan.
 
     >>> Volume("volume", every=10).every
     10
