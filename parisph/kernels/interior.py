@@ -18,17 +18,18 @@ MOST = 256  # neighbours of one particle; a cell with more is skipped
 
 
 @kernel
-def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]:
-    """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
+def interior_cells(cloud: Cloud, spare: np.ndarray, away: float, reach: float) -> tuple[float, float, int]:
+    """Return (sum of the areas [m^2], cells represented, number) of owned Voronoi cells inside the fluid.
 
     Inside are inner particles farther than `away` from every surface and ballistic particle, and beyond the first layer
     before a wall, whose cells include half cells of walls or not. The sites are fluid and wall particles. A cell that
     the neighbours within the reach do not close is skipped, because its area would depend on the lists.
 
+    spare : (n_owned,), cells that a particle represents beside its own (halves.claims)
     away <= reach : at most the radius of the lists [m]
     """
     rx, ry, limit, along = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
-    total, count = 0.0, 0
+    total, meant, count = 0.0, 0.0, 0
     for i in range(len(cloud.indptr) - 1):
         if cloud.role[i] != INNER:
             continue
@@ -38,7 +39,8 @@ def interior_cells(cloud: Cloud, away: float, reach: float) -> tuple[float, int]
         if 4.0 * farthest2 < reach * reach:
             total += area
             count += 1
-    return total, count
+            meant += 1.0 + spare[i]
+    return total, meant, count
 
 
 @subkernel

@@ -29,17 +29,19 @@ def spiral(many: int = DIRECTIONS) -> Floats:
 
 
 @kernel
-def interior_volumes(cloud: Cloud, away: float, reach: float, toward: np.ndarray) -> tuple[float, int]:
-    """Return (sum of the volumes [m^3], number) of the Voronoi cells of owned particles inside the fluid.
+def interior_volumes(cloud: Cloud, spare: np.ndarray, away: float, reach: float,
+                     toward: np.ndarray) -> tuple[float, float, int]:
+    """Return (sum of the volumes [m^3], cells represented, number) of owned Voronoi cells inside the fluid.
 
     Inside are inner particles farther than `away` from every surface and ballistic particle, and beyond the first layer
     before a wall, whose cells include half cells of walls or not. The sites are fluid and wall particles. A cell that
     the neighbours within the reach do not close is skipped.
 
+    spare : (n_owned,), cells that a particle represents beside its own (halves.claims)
     away <= reach : at most the radius of the lists [m]; toward : (3, m), evenly spread unit vectors
     """
     d, size, nearness, m = np.empty((3, MOST)), np.empty(MOST), np.empty(toward.shape[1]), toward.shape[1]
-    total, count, near = 0.0, 0, NEAR * cloud.spacing
+    total, meant, count, near = 0.0, 0.0, 0, NEAR * cloud.spacing
     for i in range(len(cloud.indptr) - 1):
         if cloud.role[i] != INNER:
             continue
@@ -57,7 +59,8 @@ def interior_volumes(cloud: Cloud, away: float, reach: float, toward: np.ndarray
                 cubes += 1.0 / (nearness[k] * nearness[k] * nearness[k])
             total += 4.0 / 3.0 * math.pi * cubes / m
             count += 1
-    return total, count
+            meant += 1.0 + spare[i]
+    return total, meant, count
 
 
 @subkernel

@@ -3,19 +3,23 @@
 import numpy as np
 import pytest
 
-from parisph.base.fields import BALLISTIC, DRY, INNER, SURFACE
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.interior import MOST, interior_cells
 from parisph.kernels.records import cloud_of
 from tests.pools import tank
 
 
-def cells_of(x, role=None, away=0.0, reach=2.6, owned=None):
-    """Return (sum of areas, number) of the cells of the first `owned` points."""
+def cells_of(x, role=None, away=0.0, reach=2.6, owned=None, kind=None):
+    """Return (sum of areas, number) of the cells of the first `owned` points, all fluid by default."""
     owned = len(x) if owned is None else owned
     role = np.full(len(x), INNER, np.int8) if role is None else role
+    kind = np.full(len(x), FLUID, np.int8) if kind is None else kind
     indptr, indices = neighbour_lists(x, owned, reach)
-    return interior_cells(cloud_of(x, role, role, np.zeros_like(x), indptr, indices, 1.0), away, reach)
+    cloud = cloud_of(x, kind, role, np.zeros_like(x), indptr, indices, 1.0)
+    total, meant, count = interior_cells(cloud, np.full(owned, 0.25), away, reach)
+    assert meant == 1.25 * count    # each represents its own cell and a quarter
+    return total, count
 
 
 def lattice(side, jitter, seed=0):
@@ -80,12 +84,13 @@ def test_cells_near_the_surface_are_left_out(role):
     assert count == np.count_nonzero(inside & far) and total == pytest.approx(count, rel=1e-12)
 
 
-def test_walls_close_cells_but_have_none():
+def test_walls_have_no_cells_and_the_first_layer_before_them_is_left_out():
+    """Its cells include half cells of the walls, or not."""
     pool = tank((12, 9), lid=True, spacing=1.0)
-    total, count = cells_of(pool.x, pool.role)
-    assert count == 11 * 8 and total == pytest.approx(88.0, rel=1e-12)
+    total, count = cells_of(pool.x, pool.role, kind=pool.kind)
+    assert count == 9 * 6 and total == pytest.approx(54.0, rel=1e-12)
     pool.role[~pool.fluid] = DRY
-    assert cells_of(pool.x, pool.role) == (total, count)
+    assert cells_of(pool.x, pool.role, kind=pool.kind) == (total, count)
 
 
 def test_nothing_inside():

@@ -13,7 +13,7 @@ INSIDE = 2.1    # [spacings] least distance from the surface of cells inside the
 
 
 class Volume(Probe):
-    """Mean Voronoi cell inside the fluid over the square of the spacing, in 3D over its cube.
+    """Mean Voronoi cell inside the fluid over what its particles represent: the square of the spacing, in 3D its cube.
 
     It is dimensionless, 1 on a lattice of the spacing; fluid of another shape may start with other cells. The column
     `count` is the number of averaged cells: those of inner particles farther than 2.1 spacings from all surface and
@@ -38,9 +38,10 @@ class Volume(Probe):
 
         p, d, s = view.particles, view.domain, view.scene.spacing
         cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
+        spare = p.spare if "spare" in p.fields else np.zeros(p.n_owned)
         if view.scene.dim == 3:
-            return np.array(interior_volumes(cloud, INSIDE * s, d.radius, spiral()))
-        return np.array(interior_cells(cloud, INSIDE * s, d.radius))
+            return np.array(interior_volumes(cloud, spare, INSIDE * s, d.radius, spiral()))
+        return np.array(interior_cells(cloud, spare, INSIDE * s, d.radius))
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        return (sums[0] / (sums[1] * view.scene.spacing**view.scene.dim) if sums[1] else np.nan), sums[1]
+        return (sums[0] / (sums[1] * view.scene.spacing**view.scene.dim) if sums[1] else np.nan), sums[2]
