@@ -153,3 +153,37 @@ def test_fluid_moves_with_no_velocity_that_takes_it_into_a_wall(falling):
     room = s.numerics.wall_guard * s.numerics.spacing
     assert (p.x + 0.01 * kept)[fluid].min() > (1.0 - 1e-9) * min(room, p.x[fluid].min())
     assert np.all(kept[fluid] <= 1e-12) and kept[fluid].min() == -5.0
+
+
+def test_moves_together_lead_no_farther_than_the_cap_but_for_a_free_one():
+    one = np.array([[0.03, 0.0], [0.08, 0.0], [0.1, 0.0]])
+    free = np.array([[0.0, 0.04], [0.09, 0.0], [0.4, 0.0]])
+    regularising.cap_together({"projection": one, "parting": free}, ["parting"], 0.1)
+    np.testing.assert_allclose(np.linalg.norm(one + free, axis=1), [0.05, 0.1, 0.4])
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("names", ["ab", "abc", "abcd"])
+def test_moves_keep_their_directions_and_their_shares(dim, names):
+    random = np.random.default_rng(3)
+    moves = {name: random.normal(size=(50, dim)) * random.uniform(0.0, 0.1, size=(50, 1)) for name in names}
+    before = {name: move.copy() for name, move in moves.items()}
+    regularising.cap_together(moves, ["b"], 0.1)
+    whole = np.linalg.norm(sum(before.values()), axis=1)
+    longest = np.maximum(0.1, np.linalg.norm(before["b"], axis=1))
+    share = np.minimum(1.0, longest / whole)
+    assert 0 < np.count_nonzero(share < 1.0) < 50
+    for name in names:
+        np.testing.assert_allclose(moves[name], share[:, None] * before[name], rtol=1e-12)
+
+
+def test_each_preparation_finds_the_pairs_where_particles_are(falling):
+    s, p = falling, falling.particles
+    regularising.prepare(s.method.flow, s.method.parts.position_regularisers, 1e-3)
+    before = len(s.method.flow.close_pairs(0.7).indices)
+    assert len(s.method.flow.close_pairs(0.7).indices) == before > 0
+    x = p.x.copy()
+    p.x[:] *= 10.0
+    regularising.prepare(s.method.flow, (), 1e-3)
+    assert len(s.method.flow.close_pairs(0.7).indices) == 0
+    p.x[:] = x
