@@ -1,5 +1,6 @@
 """The scenes of cases/ for tests: loaded by name, run in this process or on several ranks."""
 
+import json
 from textwrap import indent
 
 import numpy as np
@@ -10,6 +11,7 @@ from parisph.case.load import load
 from parisph.case.model import Model
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.stored import to_json
+from parisph.io.checkpoint import Checkpoint
 from parisph.io.reader import open_run
 from parisph.watch import instruments
 from tests.launch import ROOT, mpirun
@@ -62,6 +64,14 @@ def at_end(case):
     while not simulation.finished():
         simulation.advance()
     return simulation
+
+
+def saved(s):
+    """Return a checkpoint of a simulation on one rank, its state as JSON gives it back."""
+    p = s.particles
+    arrays = {name: np.array(getattr(p, name)) for name in p.fields.migrating}
+    return Checkpoint(s.time, s.steps, s.dt or 0.0, to_json(s.case), json.loads(json.dumps(s.method.state())),
+                      p.dim, arrays, 0, p.n_owned)
 
 
 def sampled(simulation, *probes):

@@ -1,21 +1,9 @@
 """A step solves from guesses of the last pressures, and a restart knows these."""
 
-import json
-
 import numpy as np
 import pytest
 
-from parisph.case.stored import to_json
-from parisph.io.checkpoint import Checkpoint
-from tests.scenes import scene, simulated
-
-
-def saved(s):
-    """Return a checkpoint of a simulation on one rank, its state as JSON gives it back."""
-    p = s.particles
-    arrays = {name: np.array(getattr(p, name)) for name in p.fields.migrating}
-    return Checkpoint(s.time, s.steps, s.dt or 0.0, to_json(s.case), json.loads(json.dumps(s.method.state())),
-                      p.dim, arrays, 0, p.n_owned)
+from tests.scenes import saved, scene, simulated
 
 
 def test_a_step_begins_with_up_to_three_guesses(monkeypatch):

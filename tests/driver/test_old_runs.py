@@ -11,10 +11,12 @@ from parisph.io import checkpoint, info, snapshot
 from parisph.io.reader import open_run
 from parisph.pictures import overview
 from tests.launch import ROOT
-from tests.scenes import restart_alone
+from tests.running import last_checkpoint
+from tests.scenes import restart_alone, saved, scene, simulated
 
 ALL = sorted(path.name.partition(".")[0] for path in (ROOT / "tests" / "old_runs").glob("*.tar.xz"))
 WITHOUT_VOLUMES, WITHOUT_DIGESTS = ALL[0], "2026-11-21-ac580d7"    # the commits that have made them
+HALF_CELLS = 6.25    # of the walls beside 4 x 8 particles, with that of the corner
 
 
 @pytest.fixture
@@ -53,9 +55,30 @@ def test_a_run_of_an_earlier_release_goes_on(old):
     assert summary["status"].startswith("completed") and summary["steps"] == 6
     np.testing.assert_allclose(run.times, [0.0, 0.02, 0.04, 0.06])
     assert run.steps["step"].tolist() == [1, 2, 3, 4, 5, 6] and run.steps["dt"][:4].tolist() == before.tolist()
-    assert abs(summary["volume_drift"]) < 0.005 and abs(summary["energy_drift"]) < 0.005
+    assert summary["volume_drift"] is None and abs(summary["energy_drift"]) < 0.005    # a column of first layers
     fluid = run.snapshot()["kind"] == 0
     assert run.snapshot()["u"][fluid, 1].min() == pytest.approx(run.snapshot(-2)["u"][fluid, 1].min() * 1.5, rel=0.2)
+    _, fields = last_checkpoint(old)
+    assert fields["beside"].sum() == pytest.approx(HALF_CELLS, abs=1e-12)    # the old one did not have them
+
+
+@pytest.mark.parametrize(("name", "sets"), [
+    ("dam_break", {"spacing": 0.1}), ("dam_break", {"spacing": 0.1, "jitter": 0.4}),
+    ("sloshing_3d", {"spacing": 0.25})])
+def test_a_run_without_the_half_cells_of_its_start_goes_on_as_if_it_knew_them(name, sets):
+    s = simulated(scene(name, {"rtol": 1e-12}, **sets), 6)
+    start = saved(s)
+    due = start.arrays.pop("beside")
+    again = simulated(s.case, start=start)
+    order, other = np.argsort(s.particles.id), np.argsort(again.particles.id)
+    np.testing.assert_allclose(again.particles.beside[other], due[order], rtol=0, atol=1e-12)
+    assert np.count_nonzero(due == 0.0) > 10 and due.max() > 0.4
+    for one in (s, again):
+        one.advance()
+    for name in ("x", "u", "spare"):
+        value, due = (getattr(one.particles, name)[np.argsort(one.particles.id)] for one in (again, s))
+        np.testing.assert_allclose(value, due, rtol=0, atol=1e-7 * np.abs(due).max())
+    assert s.particles.spare.max() > 0.0
 
 
 def test_what_cannot_go_on_names_the_version_that_can_and_a_remedy(tmp_path):

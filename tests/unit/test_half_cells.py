@@ -52,8 +52,9 @@ def on_lattice(cells, level):
     covered = np.empty(pool.n)
     wetness.covered_walls(covered, pool.cloud)
     p = SimpleNamespace(kind_all=pool.kind, role_all=pool.role, x_all=pool.x, x=pool.x, n_owned=pool.n, n_all=pool.n,
-                        dim=pool.dim, weight_all=weight, covered_all=covered, half=np.zeros(pool.n, np.int8))
-    flow = SimpleNamespace(particles=p, spacing=s, cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
+                        dim=pool.dim, weight_all=weight, covered_all=covered, half=np.zeros(pool.n, np.int8),
+                        beside=np.full(pool.n, np.nan))
+    flow = SimpleNamespace(particles=p, spacing=s, half_cells=True, cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
                            domain=SimpleNamespace(update=lambda *names: None),
                            walls=SimpleNamespace(cover=lambda flow: ()))
     return flow, pool
@@ -67,3 +68,8 @@ def test_level_water_in_a_tank_has_halves_in_its_corners_too(cells):
     assert flow.cells[surface].max() == pytest.approx({2: 0.75, 3: 2.0 if cells[0] == 2 else 1.125}[len(cells)])
     filling.halve_on_lattice(flow)
     np.testing.assert_array_equal(flow.particles.half == 1, surface)
+    # what each represents at walls is remembered: all but its own cell, on the level as if the water went on above
+    expected = np.where(surface, 2.0, 1.0) * flow.cells - 1.0
+    above = pool.fluid & (pool.index[:, -1] > 1)    # in its lower corners this pool has no cover
+    np.testing.assert_allclose(flow.particles.beside[above], expected[above], atol=1e-6)
+    assert not flow.particles.beside[~pool.fluid].any()

@@ -83,7 +83,7 @@ def test_errors_of_opposite_signs_compensate_and_others_add_up(monkeypatch):
     """|e| d - |d| e beside div u* (Khayyer and Gotoh 2011): a density error that the divergence reduces is left alone.
     """
     e, before = np.array([0.1, -0.1, 0.1, -0.1]), np.array([0.5, 0.5, -0.5, -0.5])
-    monkeypatch.setattr(sources, "compression", lambda flow, alpha: alpha - 1.0)
+    monkeypatch.setattr(sources, "compression", lambda flow: flow.particles.alpha - 1.0)
     flow = SimpleNamespace(density=1000.0, particles=SimpleNamespace(alpha=1.0 + e, n_owned=4, u_all=None),
                            rows=SimpleNamespace(div=np.full(4, 0.3), divergence=lambda out, u: np.copyto(out, before)))
     target = known.SOURCES["compensating"].target(flow, 0.01)
