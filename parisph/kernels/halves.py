@@ -28,32 +28,53 @@ def deeper(corner: int) -> float:
 
 
 @inlined
-def before(i: int, j: int, cloud: Cloud, layer: float) -> float:
+def before(i: int, j: int, cloud: Cloud) -> float:
     """Return the part of wall particle i that fluid particle j is before.
 
-    It is (1 - t/s) a, with the distance t < s along the wall. a is 1 up to `layer` [spacings] in front of it, and falls
-    to 0 one spacing farther, in corners of 3D at `deeper` times that.
+    It is (1 - t/s) a, with the distance t < s along the wall. a is 1 up to LAYER in front of it, and falls to 0 one
+    spacing farther, in corners of 3D at `deeper` times that.
     """
+    away, along = _place(i, j, cloud)
+    if len(cloud.axes) == 3:
+        away /= deeper(cloud.corner[i])
+    if 0.0 < away < LAYER + 1.0 and along < 1.0:
+        return (1.0 - along) * min(LAYER + 1.0 - away, 1.0)
+    return 0.0
+
+
+@inlined
+def beside_node(i: int, j: int, cloud: Cloud, weight: float) -> float:
+    """Return the part of wall particle i that fluid particle j is beside, in the first layer of a lattice.
+
+    It is (1 - t/s) a as in `before`. With k walls at right angles through the node, whose distances have the sum
+    d = sqrt(k) away, a = min(1, k + 1 - d/s): 1 for the first particle of a lattice, 0 for the next ones. At other
+    angles k = -log2(weight), which is 1, 2 and 3 at right ones.
+
+    weight : of the wall particle, the part of a cell inside the fluid
+    """
+    away, along = _place(i, j, cloud)
+    if not (away > 0.0 and along < 1.0):
+        return 0.0
+    walls = max(-math.log2(weight), 1.0) if cloud.corner[i] and weight > 0.0 else 1.0
+    return (1.0 - along) * min(max(walls + 1.0 - math.sqrt(walls) * away, 0.0), 1.0)
+
+
+@inlined
+def _place(i, j, cloud):
+    """Return the distances [spacings] of particle j from wall particle i along its normal, and across it."""
     away, r2 = 0.0, 0.0
     for a in range(len(cloud.axes)):
         away += (cloud.x[j, a] - cloud.x[i, a]) * cloud.normal[i, a]
         r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
-    along = math.sqrt(max(r2 - away * away, 0.0)) / cloud.spacing
-    away /= cloud.spacing
-    if len(cloud.axes) == 3:
-        away /= deeper(cloud.corner[i])
-    if 0.0 < away < layer + 1.0 and along < 1.0:
-        return (1.0 - along) * min(layer + 1.0 - away, 1.0)
-    return 0.0
+    return away / cloud.spacing, math.sqrt(max(r2 - away * away, 0.0)) / cloud.spacing
 
 
 @kernel
 def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarray, weight: np.ndarray) -> None:
     """Write what owned fluid represents of the half cells around it, and what it carries of those that it left.
 
-    With Q_j = sum_i weight_i before_ij over wall particles, for a layer of one spacing as on the lattice, share_j =
-    min(1, beside_j/Q_j), and spare_j = max(0, beside_j - Q_j). Both are 0 for walls, and for fluid that started away
-    from walls.
+    With Q_j = sum_i weight_i beside_ij over wall particles (`beside_node`), share_j = min(1, beside_j/Q_j), and spare_j
+    = max(0, beside_j - Q_j). Both are 0 for walls, and for fluid that started away from walls.
 
     share, spare : (n_all,) outputs; beside : (n_owned,), half cells over s^dim at the start
     weight : (n_all,), of nodes the part of a cell inside the fluid
@@ -66,18 +87,18 @@ def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarra
         for k in range(cloud.indptr[j], cloud.indptr[j + 1]):
             i = cloud.indices[k]
             if cloud.kind[i] == WALL:
-                total += weight[i] * before(i, j, cloud, 1.0)
+                total += weight[i] * beside_node(i, j, cloud, weight[i])
         share[j] = 1.0 if total <= beside[j] else beside[j] / total
         spare[j] = max(beside[j] - total, 0.0)
 
 
 @kernel
-def wall_share(share: np.ndarray, cloud: Cloud) -> None:
-    """Write the part of the half cells at owned wall particles that fluid represents: the sum of share_j before_ij.
+def wall_share(share: np.ndarray, cloud: Cloud, weight: np.ndarray) -> None:
+    """Write the part of the half cells at owned wall particles that fluid represents: the sum of share_j beside_ij.
 
     Fluid pressed together along a wall represents more than one.
 
-    share : (n_all,), that of fluid is read (`claims`)
+    share : (n_all,), that of fluid is read (`claims`); weight : (n_all,), of nodes the part of a cell inside the fluid
     """
     for i in range(len(cloud.indptr) - 1):
         if cloud.kind[i] != WALL:
@@ -86,5 +107,5 @@ def wall_share(share: np.ndarray, cloud: Cloud) -> None:
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
             j = cloud.indices[k]
             if cloud.kind[j] == FLUID and share[j] > 0.0:
-                total += share[j] * before(i, j, cloud, 1.0)
+                total += share[j] * beside_node(i, j, cloud, weight[i])
         share[i] = total

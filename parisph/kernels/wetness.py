@@ -108,7 +108,7 @@ def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.nd
 def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
     """Write the part of each owned wall particle that fluid covers, 0 to 1; fluid gets 1.
 
-    covered_i = min(1, sum_j before_ij) (halves.before) for a layer of LAYER. The solid behind dry walls completes no
+    covered_i = min(1, sum_j before_ij) (halves.before). The solid behind dry walls completes no
     kernel sums: above the water line there is no fluid to continue.
     """
     for i in range(len(cloud.indptr) - 1):
@@ -119,7 +119,7 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
             j = cloud.indices[k]
             if cloud.kind[j] == FLUID:
-                total += before(i, j, cloud, LAYER)
+                total += before(i, j, cloud)
         covered[i] = min(total, 1.0)
 
 

@@ -42,7 +42,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     if flow.half_cells:
         halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, p.weight_all)
         d.update("share", "spare")
-        halves.wall_share(p.share_all, flow.cloud)
+        halves.wall_share(p.share_all, flow.cloud, p.weight_all)
         also = (*also, "share")
     flow.step.completions.clear()
     d.update("closing", *also)

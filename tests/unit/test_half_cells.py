@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from parisph import Case, Fluid, Numerics, Obstacle, Polygon, StillWater, Tank
+from parisph import Box, Case, Fluid, Numerics, Obstacle, Polygon, StillWater, Tank
 from parisph.base.fields import FLUID, SURFACE
 from parisph.kernels import wetness
 from parisph.kernels.surface_rows import FULL, HALF
 from parisph.methods import filling
+from parisph.methods.surfaces import classify
 from tests.pools import filled
 from tests.scenes import simulated
 
@@ -73,3 +74,26 @@ def test_level_water_in_a_tank_has_halves_in_its_corners_too(cells):
     above = pool.fluid & (pool.index[:, -1] > 1)    # in its lower corners this pool has no cover
     np.testing.assert_allclose(flow.particles.beside[above], expected[above], atol=1e-6)
     assert not flow.particles.beside[~pool.fluid].any()
+
+
+@pytest.mark.parametrize(("breadth", "near"), [(None, 0.002), (0.6, 0.003)])
+def test_fluid_is_as_dense_as_water_with_the_half_cells_of_its_walls_or_half_a_spacing_nearer_without(breadth, near):
+    """One spacing from a wall as at the start, half a spacing from it where no fluid represents the half cells."""
+    case = Case(title="half cells", fluid=Fluid(Box(0.6, 0.6, breadth=breadth), density=1000.0), end_time=1.0,
+                walls=Tank(0.6, 1.0, breadth=breadth), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1))
+    s = simulated(case)
+    p, flow, up, fluid = s.particles, s.method.flow, s.particles.dim - 1, s.particles.kind == FLUID
+    middle = fluid & (np.abs(p.x[:, :up] - 0.3) < 0.05).all(axis=1) & (p.x[:, up] < 0.35)
+    for lower in (0.0, 0.05):
+        p.x[fluid, up] -= lower
+        if lower:
+            p.beside[:] = 0.0
+        s.domain.refresh()
+        flow.step.force = np.zeros_like(p.x_all)
+        flow.step.force[:, up] = -9.81
+        classify(flow, s.method.parts.surface, 1e-3)
+        ratio = np.full(p.n_owned, np.nan)
+        slope = flow.walls.density(ratio, flow, wetness.FREE)
+        np.testing.assert_allclose(ratio[middle], 1.0, atol=near)
+        np.testing.assert_allclose(0.1 * slope[middle], 0.0, atol=2.0 * near)
+    assert np.count_nonzero(middle) == 3

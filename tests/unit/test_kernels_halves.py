@@ -22,7 +22,7 @@ def counted(pool, beside):
     """Return share and spare (n,) if each fluid particle began with so many half cells, over s^dim: (n,)."""
     share, spare = np.full((2, pool.n), np.nan)
     halves.claims(share, spare, pool.cloud, beside, weights(pool))
-    halves.wall_share(share, pool.cloud)
+    halves.wall_share(share, pool.cloud, weights(pool))
     assert np.all(spare[pool.kind == WALL] == 0.0) and np.all(share[pool.fluid] <= 1.0)
     return share, spare
 
@@ -53,6 +53,16 @@ def test_a_particle_between_two_of_a_wall_has_its_half_cell_at_both(dim):
     share, spare = counted(pool, np.where(np.arange(pool.n) == i, 0.5, 0.0))
     np.testing.assert_allclose(share[[ahead, behind]], [0.75, 0.25], atol=1e-7)
     assert held(pool, share, spare) == pytest.approx(0.5, abs=1e-7)
+
+
+@dims
+def test_fluid_on_the_lattice_represents_all_half_cells_and_carries_none(dim):
+    """In corners and along edges too, where the layers of fluid are farther from a node."""
+    pool = filled(dim, lid=True)
+    sides = (pool.index == 1).sum(axis=1) + (pool.index == pool.top - 1).sum(axis=1)
+    share, spare = counted(pool, np.where(pool.fluid, 1.5**sides - 1.0, 0.0))
+    np.testing.assert_allclose(share[pool.kind == WALL], 1.0, atol=1e-6)
+    np.testing.assert_allclose(spare, 0.0, atol=1e-6)
 
 
 @dims
