@@ -6,7 +6,8 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.arrays import Flags, Floats
-from parisph.base.fields import FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import DRY, FLUID, INNER, SURFACE, WALL
+from parisph.geometry.mesh import CONVEX
 from parisph.kernels import packing, strain, surface_rows
 from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
@@ -56,7 +57,7 @@ def weigh_cells(flow: Flow) -> None:
     inner = np.flatnonzero((p.kind == FLUID) & (p.role == INNER))
     cells, beside = p.volume_all / s**p.dim, _beside(flow)
     cells -= beside
-    remember_beside(flow, beside)
+    remember_beside(flow)
     halve(flow, cells, (beside > 0.0) | _at_slopes(flow))
     p.weight[inner] = cells[inner]
     d.update("weight", "half")
@@ -67,11 +68,15 @@ def weigh_cells(flow: Flow) -> None:
     d.update("weight")
 
 
-def _beside(flow: Flow) -> Floats:
-    """Return the half cells of nodes for which each fluid particle is the nearest (n_all,). Collective."""
+def _beside(flow: Flow, chosen: Flags | bool = True) -> Floats:
+    """Return the half cells of nodes for which each fluid particle is the nearest (n_all,). Collective.
+
+    chosen : (n_all,), nodes that count, by default all that fluid covers
+    """
     p, s, found = flow.particles, flow.spacing, np.zeros(flow.particles.n_all)
     flow.domain.update(*flow.walls.cover(flow))
-    fluid, walls = np.flatnonzero(p.kind_all == FLUID), np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
+    fluid = np.flatnonzero(p.kind_all == FLUID)
+    walls = np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0) & chosen)
     if len(walls) and len(fluid):
         places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
         nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
@@ -98,15 +103,20 @@ def halve_on_lattice(flow: Flow) -> None:
     Where three walls meet at the surface, a particle has 9/8 of a cell, half of which is above the water.
     """
     beside = _beside(flow)
-    remember_beside(flow, beside)
+    remember_beside(flow)
     halve(flow, flow.cells - beside, beside > 0.0)
     flow.domain.update("half")
 
 
-def remember_beside(flow: Flow, beside: Floats) -> None:
-    """Write the half cells of nodes that fluid represents (n_all,) where a part asks for them. Not collective."""
+def remember_beside(flow: Flow) -> None:
+    """Write the half cells of nodes that fluid represents where a part asks for them. Collective.
+
+    Nodes above the water, like those of a lid, are covered if they are near, but their half cells are air. Convex edges
+    are dry everywhere.
+    """
     if flow.half_cells:
-        flow.particles.beside[:] = beside[:flow.particles.n_owned]
+        p = flow.particles
+        p.beside[:] = _beside(flow, (p.role_all != DRY) | (p.edge_all == CONVEX))[:p.n_owned]
 
 
 def halve(flow: Flow, cells: Floats, at_walls: Flags) -> None:

@@ -53,8 +53,8 @@ def on_lattice(cells, level):
     covered = np.empty(pool.n)
     wetness.covered_walls(covered, pool.cloud)
     p = SimpleNamespace(kind_all=pool.kind, role_all=pool.role, x_all=pool.x, x=pool.x, n_owned=pool.n, n_all=pool.n,
-                        dim=pool.dim, weight_all=weight, covered_all=covered, half=np.zeros(pool.n, np.int8),
-                        beside=np.full(pool.n, np.nan))
+                        dim=pool.dim, weight_all=weight, covered_all=covered, edge_all=0,
+                        half=np.zeros(pool.n, np.int8), beside=np.full(pool.n, np.nan))
     flow = SimpleNamespace(particles=p, spacing=s, half_cells=True, cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
                            domain=SimpleNamespace(update=lambda *names: None),
                            walls=SimpleNamespace(cover=lambda flow: ()))
@@ -97,3 +97,16 @@ def test_fluid_is_as_dense_as_water_with_the_half_cells_of_its_walls_or_half_a_s
         np.testing.assert_allclose(ratio[middle], 1.0, atol=near)
         np.testing.assert_allclose(0.1 * slope[middle], 0.0, atol=2.0 * near)
     assert np.count_nonzero(middle) == 3
+
+
+@pytest.mark.parametrize("gap", [0.3, 1.0, 1.4])
+def test_fluid_represents_no_half_cells_of_a_lid_above_it(gap):
+    """They are air, though the lid is covered: it is nearer than the end of the first layer."""
+    layers = 10 - int(np.ceil(gap))
+    water = Fluid(Box(1.0, 0.1 * layers), density=1000.0, elevation=0.1 * (10 - layers - gap))
+    case = Case(title="half cells", fluid=water, walls=Tank(1.0, 1.0, True), gravity=(0.0, -9.81),
+                numerics=Numerics(spacing=0.1), end_time=1.0)
+    p = simulated(case).particles
+    top = (p.kind == FLUID) & (p.role == SURFACE) & (np.abs(p.x[:, 0] - 0.5) < 0.35)
+    assert np.count_nonzero(top) > 5 and not p.beside[top].any()
+    assert p.beside.sum() == pytest.approx(0.5 * 9 + 0.25 * 2 + 0.5 * 2 * layers, abs=1e-12)
