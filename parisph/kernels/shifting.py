@@ -9,10 +9,9 @@ from parisph.kernels.halves import before
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
-
 # The solid behind a wall does not move as fluid there would, so it holds a layer at its distance half as stiffly. Dam
-# break (H/s = 40): P2 errs by .074 with 1 (nine starts), .069 with 1.5 and .072 with 2 (six starts each), and the energy
-# rises by .17, .12 and .09 %.
+# break (H/s = 40): P2 errs by .074 with 1 (nine starts), .069 with 1.5 and .072 with 2 (six starts each), and the
+# energy rises by .17, .12 and .09 %.
 STIFF = 1.5    # tuned 0.75 to 3: weight of the gradient of concentration across a wall; measured
 
 
