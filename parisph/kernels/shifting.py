@@ -4,9 +4,15 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import FLUID, INNER
+from parisph.base.fields import FLUID, INNER, WALL
+from parisph.kernels.halves import before
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
+
+# The solid behind a wall does not move as fluid there would, so it holds a layer at its distance half as stiffly. Dam
+# break (H/s = 40): P2 errs by .074 with 1 (nine starts), .069 with 1.5 and .072 with 2 (six starts each), and the
+# energy rises by .17, .12 and .09 %.
+STIFF = 1.5    # tuned 0.75 to 3: weight of the gradient of concentration across a wall; measured
 
 
 @kernel
@@ -29,6 +35,33 @@ def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, doubt: np.ndarra
         e[i] = min(max(alpha[i] - 1.0, -limit), limit)
         if e[i] != 0.0 and _any(bare, i, cloud) and _near_surface(i, bare, reach2, cloud):
             e[i] = max(e[i] - doubt[i], 0.0)
+
+
+@kernel
+def stiffen(gradient: np.ndarray, cloud: Cloud, covered: np.ndarray) -> None:
+    """Multiply the gradient of concentration across walls by STIFF, beside the covered ones.
+
+    gradient : (n_owned, dim), changed; covered : (n_all,) of wetness.covered_walls
+    """
+    dim = len(cloud.axes)
+    n = np.empty(dim)
+    for j in range(len(gradient)):
+        if cloud.role[j] != INNER:
+            continue
+        n[:] = 0.0
+        for k in range(cloud.indptr[j], cloud.indptr[j + 1]):
+            i = cloud.indices[k]
+            if cloud.kind[i] == WALL:
+                part = covered[i] * before(i, j, cloud, 1.0)
+                for a in range(dim):
+                    n[a] += part * cloud.normal[i, a]
+        size2, along = 0.0, 0.0
+        for a in range(dim):
+            size2 += n[a] * n[a]
+            along += gradient[j, a] * n[a]
+        if size2 > 0.0:
+            for a in range(dim):
+                gradient[j, a] += (STIFF - 1.0) * min(math.sqrt(size2), 1.0) * along * n[a] / size2
 
 
 @subkernel

@@ -162,6 +162,8 @@ class FickShift(Regulariser):
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
         p.grad_alpha[:] = dense(flow)
+        if n.shift_strain and flow.open:
+            shifting.stiffen(p.grad_alpha, flow.cloud, p.covered_all)
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)
