@@ -105,15 +105,19 @@ def halve_on_lattice(flow: Flow) -> None:
 
 
 def remember_beside(flow: Flow) -> None:
-    """Write the half cells of nodes that fluid represents where a part asks for them. Not collective.
+    """Write the half cells of nodes that fluid represents where a part asks for them. Collective.
 
-    By the measure of the steps, so that water at its walls carries none away (halves.claims). The half cells of nodes
-    above the water, like those of a lid, are air. Convex edges are dry everywhere.
+    Each is divided by the measure of the steps, so that water at its walls carries few away (halves.claims). The half
+    cells of nodes above the water, like those of a lid, are air. Convex edges are dry everywhere.
     """
     if flow.half_cells:
         p = flow.particles
-        wet = (p.role_all != DRY) | (p.edge_all == CONVEX)
-        halves.half_cells_around(p.beside, flow.cloud, np.where(wet, p.weight_all, 0.0))
+        p.share_all[:] = p.kind_all == FLUID
+        halves.wall_share(p.share_all, flow.cloud, p.weight_all)
+        flow.domain.update("share")
+        wet = (p.share_all > 0.0) & ((p.role_all != DRY) | (p.edge_all == CONVEX))
+        weight = np.divide(p.weight_all, p.share_all, out=np.zeros(p.n_all), where=wet)
+        halves.half_cells_around(p.beside, flow.cloud, weight)
 
 
 def halve(flow: Flow, cells: Floats, at_walls: Flags) -> None:
