@@ -70,11 +70,34 @@ def _place(i, j, cloud):
 
 
 @kernel
+def half_cells_around(found: np.ndarray, cloud: Cloud, weight: np.ndarray) -> None:
+    """Write the half cells around owned fluid, over s^dim: sum_i weight_i beside_ij over wall particles; 0 for walls.
+
+    At the start, fluid represents these (`beside_node`).
+
+    found : (n_owned,) output; weight : (n_all,), of nodes the part of a cell inside the fluid
+    """
+    for j in range(len(found)):
+        found[j] = _around(j, cloud, weight) if cloud.kind[j] == FLUID else 0.0
+
+
+@inlined
+def _around(j, cloud, weight):
+    """Return the half cells around fluid particle j."""
+    total = 0.0
+    for k in range(cloud.indptr[j], cloud.indptr[j + 1]):
+        i = cloud.indices[k]
+        if cloud.kind[i] == WALL:
+            total += weight[i] * beside_node(i, j, cloud, weight[i])
+    return total
+
+
+@kernel
 def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarray, weight: np.ndarray) -> None:
     """Write what owned fluid represents of the half cells around it, and what it carries of those that it left.
 
-    With Q_j = sum_i weight_i beside_ij over wall particles (`beside_node`), share_j = min(1, beside_j/Q_j), and spare_j
-    = max(0, beside_j - Q_j). Both are 0 for walls, and for fluid that started away from walls.
+    With the half cells Q_j around a particle (`half_cells_around`), share_j = min(1, beside_j/Q_j), and spare_j =
+    max(0, beside_j - Q_j). Both are 0 for walls, and for fluid that started away from walls.
 
     share, spare : (n_all,) outputs; beside : (n_owned,), half cells over s^dim at the start
     weight : (n_all,), of nodes the part of a cell inside the fluid
@@ -83,11 +106,7 @@ def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarra
         share[j], spare[j] = 0.0, 0.0
         if cloud.kind[j] != FLUID or not beside[j] > 0.0:
             continue
-        total = 0.0
-        for k in range(cloud.indptr[j], cloud.indptr[j + 1]):
-            i = cloud.indices[k]
-            if cloud.kind[i] == WALL:
-                total += weight[i] * beside_node(i, j, cloud, weight[i])
+        total = _around(j, cloud, weight)
         share[j] = 1.0 if total <= beside[j] else beside[j] / total
         spare[j] = max(beside[j] - total, 0.0)
 

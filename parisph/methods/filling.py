@@ -8,7 +8,7 @@ from mpi4py import MPI
 from parisph.base.arrays import Flags, Floats
 from parisph.base.fields import DRY, FLUID, INNER, SURFACE, WALL
 from parisph.geometry.mesh import CONVEX
-from parisph.kernels import packing, strain, surface_rows
+from parisph.kernels import halves, packing, strain, surface_rows
 from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
 from parisph.methods.flow import Flow
@@ -68,15 +68,11 @@ def weigh_cells(flow: Flow) -> None:
     d.update("weight")
 
 
-def _beside(flow: Flow, chosen: Flags | bool = True) -> Floats:
-    """Return the half cells of nodes for which each fluid particle is the nearest (n_all,). Collective.
-
-    chosen : (n_all,), nodes that count, by default all that fluid covers
-    """
+def _beside(flow: Flow) -> Floats:
+    """Return the half cells of nodes for which each fluid particle is the nearest (n_all,). Collective."""
     p, s, found = flow.particles, flow.spacing, np.zeros(flow.particles.n_all)
     flow.domain.update(*flow.walls.cover(flow))
-    fluid = np.flatnonzero(p.kind_all == FLUID)
-    walls = np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0) & chosen)
+    fluid, walls = np.flatnonzero(p.kind_all == FLUID), np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
     if len(walls) and len(fluid):
         places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
         nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
@@ -111,12 +107,17 @@ def halve_on_lattice(flow: Flow) -> None:
 def remember_beside(flow: Flow) -> None:
     """Write the half cells of nodes that fluid represents where a part asks for them. Collective.
 
-    Nodes above the water, like those of a lid, are covered if they are near, but their half cells are air. Convex edges
-    are dry everywhere.
+    Each is divided by the measure of the steps, so that water at its walls carries few away (halves.claims). The half
+    cells of nodes above the water, like those of a lid, are air. Convex edges are dry everywhere.
     """
     if flow.half_cells:
         p = flow.particles
-        p.beside[:] = _beside(flow, (p.role_all != DRY) | (p.edge_all == CONVEX))[:p.n_owned]
+        p.share_all[:] = p.kind_all == FLUID
+        halves.wall_share(p.share_all, flow.cloud, p.weight_all)
+        flow.domain.update("share")
+        wet = (p.share_all > 0.0) & ((p.role_all != DRY) | (p.edge_all == CONVEX))
+        weight = np.divide(p.weight_all, p.share_all, out=np.zeros(p.n_all), where=wet)
+        halves.half_cells_around(p.beside, flow.cloud, weight)
 
 
 def halve(flow: Flow, cells: Floats, at_walls: Flags) -> None:
