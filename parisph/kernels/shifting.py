@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER, WALL
-from parisph.kernels.halves import before
+from parisph.kernels.halves import beside_node
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
@@ -38,10 +38,11 @@ def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, doubt: np.ndarra
 
 
 @kernel
-def stiffen(gradient: np.ndarray, cloud: Cloud, covered: np.ndarray) -> None:
+def stiffen(gradient: np.ndarray, cloud: Cloud, covered: np.ndarray, weight: np.ndarray) -> None:
     """Multiply the gradient of concentration across walls by STIFF, beside the covered ones.
 
     gradient : (n_owned, dim), changed; covered : (n_all,) of wetness.covered_walls
+    weight : (n_all,), of nodes the part of a cell inside the fluid
     """
     dim = len(cloud.axes)
     n = np.empty(dim)
@@ -52,7 +53,7 @@ def stiffen(gradient: np.ndarray, cloud: Cloud, covered: np.ndarray) -> None:
         for k in range(cloud.indptr[j], cloud.indptr[j + 1]):
             i = cloud.indices[k]
             if cloud.kind[i] == WALL:
-                part = covered[i] * before(i, j, cloud, 1.0)
+                part = covered[i] * beside_node(i, j, cloud, weight[i])
                 for a in range(dim):
                     n[a] += part * cloud.normal[i, a]
         size2, along = 0.0, 0.0

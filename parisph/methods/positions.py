@@ -163,7 +163,7 @@ class FickShift(Regulariser):
         p, n = flow.particles, flow.numerics
         p.grad_alpha[:] = dense(flow)
         if n.shift_strain and flow.open:
-            shifting.stiffen(p.grad_alpha, flow.cloud, p.covered_all)
+            shifting.stiffen(p.grad_alpha, flow.cloud, p.covered_all, p.weight_all)
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)

@@ -34,7 +34,7 @@ def test_gradient_at_the_surface_points_into_the_fluid(dim):
 def test_gradient_across_a_wall_counts_more_in_the_first_layer(dim):
     pool = tank((9, 9) if dim == 2 else (7, 7, 7), lid=True)
     gradient, covered = np.full((pool.n, dim), 0.3), np.ones(pool.n)
-    shifting.stiffen(gradient, pool.cloud, covered)
+    shifting.stiffen(gradient, pool.cloud, covered, np.where(pool.fluid, 1.0, 0.5))
     middle = np.all((pool.index[:, :-1] > 2) & (pool.index[:, :-1] < pool.top[:-1] - 2), axis=1)
     for layer, expected in ((1, 0.3 * shifting.STIFF), (2, 0.3)):
         low = middle & (pool.index[:, -1] == layer)
@@ -42,7 +42,7 @@ def test_gradient_across_a_wall_counts_more_in_the_first_layer(dim):
         np.testing.assert_allclose(gradient[low, -1], expected, rtol=1e-7)
         np.testing.assert_allclose(gradient[low, :-1], 0.3, rtol=1e-7)
     again = np.full((pool.n, dim), 0.3)
-    shifting.stiffen(again, pool.cloud, np.zeros(pool.n))    # above the water line
+    shifting.stiffen(again, pool.cloud, np.zeros(pool.n), np.full(pool.n, 0.5))    # above the water line
     np.testing.assert_array_equal(again, 0.3)
 
 
