@@ -60,7 +60,7 @@ class Boundary:
             if flow.half_cells:
                 held = np.where(p.kind_all == WALL, p.share_all, 1.0)
                 weight = weight * held + p.spare_all
-                area *= (1.5 * held - 0.5)[:, None]
+                area *= (1.5 * held * held - 0.5)[:, None]
             known[least] = Completion(present, weight, area)
         return known[least]
 
