@@ -17,9 +17,9 @@ from parisph.watch import instruments
 from parisph.watch.probes.energy_probe import Energy
 from parisph.watch.probes.volume import Volume
 
-CELLS = 12     # spacings: sides of the small tank
+CELLS = 8      # spacings: sides of the small tank
 FILLED = 6     # spacings: sides of the body of fluid in it
-STEP = 1e-3    # of sqrt(s/g): a very short step
+STEP = 1e-3    # [s]: very short
 
 
 def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], case: Case,
@@ -27,7 +27,7 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
 
     The other ranks wait and then load the kernels from the cache. Otherwise each would compile all of them, which takes
-    half a minute. It is skipped if it was done before.
+    a minute, in 3D two. It is skipped if it was done before.
 
     make : function (case, comm) -> Simulation
     case, numerics : the scene whose kernels are needed
@@ -62,17 +62,19 @@ def mark_of(scene: Case) -> str:
 
 
 def small(case: Case, numerics: ResolvedNumerics) -> Case:
-    """Return a scene of few particles that needs the same kernels: closed if the case is closed."""
-    s = numerics.spacing
-    side = CELLS * s
-    filled = side if case.closed else FILLED * s
+    """Return a scene of few particles that needs the same kernels: closed if the case is closed, in 3D if it is.
+
+    Its spacing is 1 m, so that cases that differ only by their spacing share it.
+    """
+    side = float(CELLS)
+    filled = side if case.closed else float(FILLED)
     water = StillWater(level=side) if case.closed else Box(width=filled, height=filled)
-    tank = Tank(width=side, height=side, lid=True)
-    block = Obstacle(Box(width=2.0 * s, height=2.0 * s, at=(0.5 * (filled - s), 0.0)))
+    tank = Tank(width=side, height=side, lid=True, breadth=filled if case.dim == 3 else None)
+    block = Obstacle(Box(width=2.0, height=2.0, at=(0.5 * (filled - 1.0), 0.0)))
     return Case(
         title="small", fluid=Fluid(water, density=1000.0), walls=(tank, block), gravity=(0.0, -1.0),
         probes=(Volume("volume"), Energy("energy")), end_time=1.0,
-        numerics=numerics.model_copy(update={"time_step": STEP * s**0.5, "max_time_step": None, "jitter": 0.0}),
+        numerics=numerics.model_copy(update={"spacing": 1.0, "time_step": STEP, "max_time_step": None, "jitter": 0.0}),
     )
 
 

@@ -27,7 +27,7 @@ sys.meta_path.insert(0, Hidden())
 def stored(tmp_path_factory):
     """The folder of a short run, made with everything installed."""
     folder = tmp_path_factory.mktemp("stored")
-    succeeded(parisph("run", CASE, "--set", "spacing=0.1", "end_time=2", "-q", "-o", "run", cwd=folder))
+    succeeded(parisph("run", CASE, "--set", "spacing=0.1", "end_time=1", "-q", "-o", "run", cwd=folder))
     return folder / "run"
 
 

@@ -47,14 +47,18 @@ def test_private_folder_is_not_shared(tmp_path):
 
 
 def test_small_scene_is_of_the_same_kind():
-    """What it compiles is what the run needs: the method, the preset, and a closed tank or not. No user has a warning
-    about it."""
+    """What it compiles is what the run needs: the method, the preset, 2D or 3D, and a closed tank or not. No user has a
+    warning about it."""
     open_case = scene("dam_break", {"preset": "violent", "method": "ISPH"}, spacing=0.1)
     full_case = open_case.changed(**{"fluid.shape": Box(width=2.0, height=2.0)})
     small, full = (warmup.small(case, case.numerics.resolved()) for case in (open_case, full_case))
     assert small.numerics.method == "ISPH" and small.numerics.kappa == open_case.numerics.resolved().kappa
     assert not small.closed and full_case.closed and full.closed
-    assert not [*scene_checks.warnings(small), *scene_checks.warnings(full)]
+    deep, fine = (warmup.small(case, case.numerics.resolved())
+                  for case in (scene("dam_break_3d"), scene("dam_break_3d", spacing=0.02)))
+    assert warmup.mark_of(deep) == warmup.mark_of(fine) != warmup.mark_of(small)
+    assert (small.dim, deep.dim) == (2, 3)
+    assert not [warning for made in (small, full, deep) for warning in scene_checks.warnings(made)]
 
 
 @pytest.fixture

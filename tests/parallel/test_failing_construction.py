@@ -75,9 +75,9 @@ def bad_warm_up(monkeypatch):
 
 
 @pytest.mark.parametrize(("place", "count"), [
-    (bad_geometry, 1000), (bad_particles, 50), (bad_option, 20), (bad_method, 20), (bad_warm_up, 20)])
+    (bad_geometry, 200), (bad_particles, 50), (bad_option, 20), (bad_method, 20), (bad_warm_up, 20)])
 def test_failures_leave_nothing(counted, monkeypatch, place, count):
-    """A thousand of the quickest: an MPI library runs out of communicators."""
+    """Many of the quickest: an MPI library runs out of communicators, also of those that are not copies."""
     comm, copies = counted
     options, message = place(monkeypatch)
     before, database = copies(), PETSc.Options().getAll()

@@ -16,6 +16,7 @@ from parisph.case.profiles import read_profiles
 from parisph.case.schema import Case
 from parisph.case.time_scales import stable_time_step
 from parisph.case.truths import read_truth
+from parisph.driver import describe
 from parisph.geometry import build as geometry
 from parisph.geometry import scene_checks
 from parisph.truth import norms
@@ -27,6 +28,12 @@ MEASURED = os.environ.get(measured_data.VARIABLE)
 OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twice the spacing does not fit the water
 
 
+@pytest.fixture(scope="module", params=FILES, ids=lambda file: file.stem)
+def file(request):
+    """One after the other through all its tests, as the geometry of the last scenes is kept."""
+    return request.param
+
+
 @pytest.fixture(autouse=True)
 def only_made_data(tmp_path, monkeypatch):
     """The measured data of others is not part of a clone."""
@@ -34,7 +41,6 @@ def only_made_data(tmp_path, monkeypatch):
     monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_loads_and_is_stored_without_its_script(file):
     case = load(file)
     assert Case.model_validate_json(case.model_dump_json()) == case
@@ -47,7 +53,6 @@ def test_loads_and_is_stored_without_its_script(file):
     assert other.numerics.time_step is None or other.numerics.time_step < 5.0 * stable_time_step(other)[0]
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_readme_lists_it_with_its_size(file):
     row = re.search(rf"^\| `{file.name}`.*$", (CASES / "README.md").read_text(encoding="utf-8"), re.M).group()
     case = load(file)
@@ -58,7 +63,13 @@ def test_readme_lists_it_with_its_size(file):
         assert int(cells[4]) == steps, "a run ends within half a step of its end time"
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_is_described(file):
+    told = describe(load(file))
+    lines = dict(line.split(None, 1) for line in told.splitlines() if not line.startswith(("end time", " ")))
+    assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
+    assert "times the step" not in told and "caught in the corner" not in told
+
+
 def test_geometry_has_no_faults_when_coarse(file):
     case = load(file, {"spacing": OTHER.get(file.stem, 2.0) * parameters(file)["spacing"][0]})
     scene_checks.check(case)
