@@ -3,8 +3,9 @@
 import shutil
 
 from parisph.kernels import jit
+from tests.faults.dam import dam
 from tests.launch import mpirun, parisph
-from tests.scenes import run_alone, scene
+from tests.scenes import run_alone
 
 BLOCK = 512    # what a disk loses at once
 
@@ -15,7 +16,7 @@ from tests.faults.damage import case
 
 def case(density: float = 1000.0):
     """A column that begins to fall: four steps, snapshots and checkpoints at every other one."""
-    return scene("dam_break", spacing=0.1).changed(**{
+    return dam(spacing=0.1).changed(**{
         "end_time": 0.02, "numerics.time_step": 0.005, "fluid.density": density,
         "output.every": 0.02, "output.times": (), "output.checkpoint_every": 0.01})
 

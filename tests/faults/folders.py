@@ -15,9 +15,9 @@ from tests.others import NOBODY, become, open_folder
 
 SECONDS = 200.0
 CASE = """
-from tests.scenes import scene
+from tests.faults.dam import dam
 def case():
-    return scene("dam_break", spacing=0.05, end_time=1000.0, snapshot_every=0.05).changed(
+    return dam(spacing=0.05, end_time=1000.0, snapshot_every=0.05).changed(
         **{"output.checkpoint_every": 0.1})
 """
 CAUSES = {

@@ -32,9 +32,9 @@ KINDS = (bad_cases.field, bad_words.line, bad_cases.field, bad_files.stored, bad
 # shares of the attempts in a process of their own; and, of runs and restarts, on two ranks
 OWN, RANKS = 0.1, 0.1
 SOUND = """
-from tests.scenes import scene
+from tests.faults.dam import dam
 def case():
-    return scene("dam_break", spacing=0.1, end_time=0.3, snapshot_every=0.1)
+    return dam(spacing=0.1, end_time=0.3, snapshot_every=0.1)
 """
 
 

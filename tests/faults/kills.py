@@ -14,9 +14,9 @@ from tests.scenes import difference
 
 # Checkpoints and snapshots in almost every step: many kills come in the middle of one.
 CASE = """
-from tests.scenes import scene
+from tests.faults.dam import dam
 def case():
-    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=0.5, snapshot_every=0.02).changed(
+    return dam({"rtol": 1e-13}, spacing=0.05, end_time=0.5, snapshot_every=0.02).changed(
         **{"output.checkpoint_every": 0.01})
 """
 GONE = 60.0        # [s] for all processes to end after a kill

@@ -12,9 +12,9 @@ from tests.launch import clean_environment
 from tests.scenes import PROGRAM
 
 CASE = """
-from tests.scenes import scene
+from tests.faults.dam import dam
 def case():
-    return scene("dam_break", spacing=0.05, end_time=0.2).changed(**{"output.checkpoint_every": 0.05})
+    return dam(spacing=0.05, end_time=0.2).changed(**{"output.checkpoint_every": 0.05})
 """
 # What is carried out, and what must be told of it; the traceback besides.
 FAULTS = {

@@ -12,9 +12,9 @@ from tests.running import handles, running, send
 
 # Checkpoints and snapshots in almost every step: many signals come in the middle of one.
 CASE = """
-from tests.scenes import scene
+from tests.faults.dam import dam
 def case():
-    return scene("dam_break", spacing=0.05, end_time=0.4, snapshot_every=0.02).changed(
+    return dam(spacing=0.05, end_time=0.4, snapshot_every=0.02).changed(
         **{"output.checkpoint_every": 0.01})
 """
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)

@@ -14,9 +14,9 @@ from parisph.io.layout import INDEX
 from tests.launch import contents
 
 CASE = """
-from tests.scenes import scene
+from tests.faults.dam import dam
 def case(end_time: float = 0.1):
-    return scene("dam_break", spacing=0.1, end_time=end_time, snapshot_every=0.05).changed(
+    return dam(spacing=0.1, end_time=end_time, snapshot_every=0.05).changed(
         **{"output.checkpoint_every": 0.05})
 """
 FILES = ("case.json", "summary.json", "steps.csv", "probes/P2.csv", "probes/energy.csv", INDEX)
