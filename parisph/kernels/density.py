@@ -283,7 +283,7 @@ def _behind_segment(i, x, e, corners, table):
 def _gather_triangles(behind, i, x, walls, table):
     """Write the corners, relative to particle i, and the parts that count of the triangles in front of which it is.
 
-    Returns their number, made even by copies that do not count.
+    Returns their number, with copies that do not count, to fill the last vector.
     """
     n = 0
     for k in range(walls.indptr[i], walls.indptr[i + 1]):

@@ -94,7 +94,8 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
     remainder, an error of order one in the Laplacian that does not vanish with refinement. Rows whose neighbours do not
     span the harmonic polynomials stay unchanged. The change is scaled down if it would make a weight less than
     -NEGATIVE times the row's sum: with the minimum number of neighbours, all particles of a drop would have the same
-    row.
+    row. It leaves the sum NEGATIVE times what it was: as many neighbours as conditions have no row but zero, and then
+    rounding would be the row.
     """
     size = basis_size(axes)
     total = 0.0
@@ -114,7 +115,7 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
                 change -= right[r] * basis[r, k]
             w[1, k] = w[0, k] * change
             added += w[1, k]
-        part = 1.0
+        part = min(1.0, (NEGATIVE - 1.0) * total / added) if added < -(1.0 - NEGATIVE) * total else 1.0
         for k in range(m):
             room, taken = mean[0, k] + NEGATIVE * total, w[1, k] + NEGATIVE * added
             if room + taken < 0.0:

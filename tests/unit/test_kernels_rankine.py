@@ -125,6 +125,17 @@ def test_two_particles_of_a_small_drop_have_rows_of_their_own():
     assert abs(pair[0] @ pair[1]) < 0.9, "or the pressure in a drop with p = 0 on the others cannot be found"
 
 
+def test_rounding_is_no_row():
+    # a jet along a bed reaches a corner: five neighbours, one of them without weight, and four conditions
+    x = np.array([[0.0, 0.0], [-1.751, -0.006], [0.353, -0.305], [-0.647, -0.305], [-1.647, -0.305], [-2.647, -0.305]])
+    for angle in np.linspace(0.0, np.pi, 24):    # turned, the sums are rounded in other ways
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        rows = filled(free(x @ turn.T, reach=3.0))
+        columns, values = rows.entries(0)
+        np.testing.assert_array_equal(values, [0.2] * 5)     # what is left on one side only is dropped
+        assert rows.measure[0] == 0.0
+
+
 def test_change_towards_isotropy_is_whole_where_neighbours_abound():
     pool, inside = cloud(2, 1.2)
     rows = filled(pool)
