@@ -31,8 +31,8 @@ def check_lists(comm, domain, n, radius, drifted=True):
     truth = close_pairs(x, radius)
     dry = (kind == WALL) & (role != WET)
     apart = dry & ~close_pairs(x, 2.0 * radius)[:, ~dry].any(axis=1)
-    truth[apart] &= table[apart]
-    truth[:, apart] &= table[:, apart]
+    truth[apart] &= table[apart] > 0
+    truth[:, apart] &= table[:, apart] > 0
     np.testing.assert_array_equal(table[ids], truth[ids])
     assert comm.allreduce(len(ids)) == n
 
