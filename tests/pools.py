@@ -14,7 +14,7 @@ from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 from parisph.kernels.moments import second_moment
 from parisph.kernels.records import cloud_of, no_walls
-from parisph.kernels.solids import near_lists, plane_numbers, seen_elements, shapes_of
+from parisph.kernels.solids import is_open, near_lists, plane_numbers, seen_elements, shapes_of
 from parisph.patch import arrangement
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -181,7 +181,8 @@ def elements_near(x, corners, radius, spacing, normal=None):
     kind = np.full(len(x), FLUID, np.int8)
     normal = np.zeros_like(x) if normal is None else normal
     none = np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    return seen_elements(cloud_of(x, kind, kind, normal, *none, spacing), walls, radius)[0]
+    cloud = cloud_of(x, kind, kind, normal, *none, spacing)
+    return seen_elements(cloud, walls, radius, is_open(cloud, walls))
 
 
 class Rows:

@@ -11,26 +11,69 @@ from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 # member[start[c]:start[c + 1]].
 _Cells = namedtuple("_Cells", "x lower size counts start member axes")
 
+RINGS = 3    # cells in the reach of `far_from`: more would follow the reach more closely, and cost more
+_ALL = np.zeros(0, np.bool_)    # no point is left out
 
-def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
+
+def neighbour_lists(x: np.ndarray, n_owned: int, radius: float, left_out: np.ndarray = _ALL
+                    ) -> tuple[np.ndarray, np.ndarray]:
     """Return the neighbours of the first n_owned points among all points, as CSR: indptr, indices, int32.
 
     A point is not its own neighbour. Owned neighbours come first, in ascending order (`_ordered`). Raises ValueError if
     the radius is not positive, or a position or distance is not finite.
 
     x : (n, dim) positions [m], dim 2 or 3; radius : points closer than this are neighbours [m]
+    left_out : (n,) bool, points without neighbours that are no neighbours either; without rows none
     """
     x = np.ascontiguousarray(x)
     if not radius > 0.0:
         raise ValueError(f"radius {radius} must be positive")
     if n_owned == 0:
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
-    indptr, indices = _search(_sorted(x, radius), n_owned, radius)
+    indptr, indices = _search(_sorted(x, radius, left_out=left_out), n_owned, radius, left_out)
     return indptr, _ordered(indptr, indices)
 
 
-def _sorted(x, radius, other=0.0, rim=0):
+def far_from(x: np.ndarray, others: np.ndarray, reach: float) -> np.ndarray:
+    """Return which points x (n, dim) [m] are farther than the reach [m] from all others (m, dim) [m], (n,) bool.
+
+    Some that are farther by less than 1/RINGS of the reach along each axis are not among them. Raises ValueError as
+    `neighbour_lists`.
+    """
+    if len(others) == 0:
+        return np.ones(len(x), np.bool_)
+    cells = _sorted(np.ascontiguousarray(others), reach / RINGS, x.sum(), rim=RINGS)
+    near = cells.start[:-1] < cells.start[1:]
+    for _ in range(RINGS):
+        near = _with_adjacent(near, cells.counts, cells.axes)
+    return _outside(np.ascontiguousarray(x), cells, near)
+
+
+@kernel
+def _outside(x, cells, near):
+    """Return which points x (n, dim) are in no cell that is `near` (cells,) bool."""
+    outside = np.ones(len(x), np.bool_)
+    for i in range(len(x)):
+        cell = _cell_of(x, i, cells)
+        outside[i] = cell < 0 or not near[cell]
+    return outside
+
+
+@inlined
+def _cell_of(x, i, cells):
+    """Return the number of the cell that point i of x is in, -1 outside the grid."""
+    cell, inside = 0, True
+    for a in range(len(cells.axes)):
+        k = math.floor((x[i, a] - cells.lower[a]) / cells.size)
+        inside = inside and 0 <= k < cells.counts[a]
+        cell = cell * cells.counts[a] + int(k)
+    return cell if inside else -1
+
+
+def _sorted(x, radius, other=0.0, rim=0, left_out=_ALL):
     """Return the _Cells of points x (n, dim) [m], at least as wide as the radius [m], with `rim` empty rows around.
+
+    left_out : of `neighbour_lists`
 
     Raises ValueError if a point, or the sum `other` of further ones, is not finite.
     """
@@ -39,7 +82,7 @@ def _sorted(x, radius, other=0.0, rim=0):
         raise ValueError("a position, or the distance of two points, is not finite")
     counts, size = _grid(extent, radius, len(x))
     lower, counts, axes = lower - rim * size, counts + 2 * rim, axes_of(x.shape[1])
-    return _Cells(x, lower, size, counts, *_sort(x, lower, size, counts, axes), axes)
+    return _Cells(x, lower, size, counts, *_sort(x, lower, size, counts, axes, left_out), axes)
 
 
 @kernel
@@ -76,22 +119,24 @@ def _cell(point, lower, size, counts, axes):
 
 
 @kernel
-def _sort(x, lower, size, counts, axes) -> tuple[np.ndarray, np.ndarray]:
-    total = 1
+def _sort(x, lower, size, counts, axes, left_out) -> tuple[np.ndarray, np.ndarray]:
+    total, every = 1, len(left_out) == 0
     for a in range(len(axes)):
         total *= counts[a]
     start = np.zeros(total + 1, np.int32)
     cell = np.empty(len(x), np.int32)
     for i in range(len(x)):
-        cell[i] = _cell(x[i], lower, size, counts, axes)
-        start[cell[i] + 1] += 1
+        if every or not left_out[i]:
+            cell[i] = _cell(x[i], lower, size, counts, axes)
+            start[cell[i] + 1] += 1
     for c in range(total):
         start[c + 1] += start[c]
     fill = start[:-1].copy()
-    member = np.empty(len(x), np.int32)
+    member = np.empty(start[total], np.int32)
     for i in range(len(x)):
-        member[fill[cell[i]]] = i
-        fill[cell[i]] += 1
+        if every or not left_out[i]:
+            member[fill[cell[i]]] = i
+            fill[cell[i]] += 1
     return start, member
 
 
@@ -105,7 +150,7 @@ def _enlarged(indices, n, size):
 
 
 @kernel
-def _search(cells, n_owned, radius):
+def _search(cells, n_owned, radius, left_out):
     x, lower, size, counts, start, member, axes = cells
     dim = len(axes)
     blocks = 1
@@ -118,6 +163,9 @@ def _search(cells, n_owned, radius):
     indices = np.empty(24 * n_owned + 256, np.int32)
     n = np.uint32(0)    # unsigned, so that numba adds no test for a negative index: a third less time
     for i in range(n_owned):
+        if len(left_out) > 0 and left_out[i]:
+            indptr[i + 1] = n
+            continue
         k_last = min(max(int((x[i, dim - 1] - lower[dim - 1]) / size), 0), last - 1)
         lo, hi = max(k_last - 1, 0), min(k_last + 1, last - 1)
         cx, cy = x[i, 0], x[i, 1]
@@ -191,15 +239,16 @@ def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray
     if len(others) == 0 or len(x) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
     cells = _sorted(others, radius, x.sum(), rim=1)
-    return _search_nearby(x, cells, radius, _beside(cells.start, cells.counts, cells.axes))
+    near = _with_adjacent(cells.start[:-1] < cells.start[1:], cells.counts, cells.axes)
+    return _search_nearby(x, cells, radius, near)
 
 
 @kernel
-def _beside(start, counts, axes):
-    """Return which cells have a point in them or in an adjacent cell, (cells,) bool."""
-    found = np.zeros(len(start) - 1, np.bool_)
+def _with_adjacent(some, counts, axes):
+    """Return which cells are `some` (cells,) bool or next to these, (cells,) bool. The outermost cells are not."""
+    found = np.zeros(len(some), np.bool_)
     for cell in range(len(found)):
-        if start[cell] < start[cell + 1]:
+        if some[cell]:
             for block in range(3 ** len(axes)):
                 found[cell + _step(block, counts, axes)] = True
     return found
@@ -217,18 +266,14 @@ def _step(block, counts, axes):
 
 @kernel
 def _search_nearby(x, cells, radius, beside):
-    others, lower, size, counts, start, member, axes = cells
+    others, _, _, counts, start, member, axes = cells
     dim = len(axes)
     indptr = np.zeros(len(x) + 1, np.int32)
     indices = np.empty(4 * len(others) + 256, np.int32)
     n = 0
     for i in range(len(x)):
-        cell, inside = 0, True
-        for a in range(dim):
-            k = math.floor((x[i, a] - lower[a]) / size)
-            inside = inside and 0 <= k < counts[a]
-            cell = cell * counts[a] + int(k)
-        if inside and beside[cell]:
+        cell = _cell_of(x, i, cells)
+        if cell >= 0 and beside[cell]:
             for block in range(3**dim):
                 there = cell + _step(block, counts, axes)
                 if not 0 <= there < len(beside):

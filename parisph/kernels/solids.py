@@ -77,24 +77,27 @@ def replaced(indptr: np.ndarray, indices: np.ndarray, which: np.ndarray, starts:
                 left[count] = indices[k]
                 count += 1
         ends[i + 1] = count
-    return ends, left[:count].copy()
+    return ends, left[:count]
 
 
-def seen_elements(cloud: Cloud, walls: Walls, radius: float, known: Lists | None = None, resting: bool = False
-                  ) -> tuple[Walls, bool]:
+def no_lists(n: int) -> Lists:
+    """Return n empty lists."""
+    return np.zeros(n + 1, np.int32), np.zeros(0, np.int32)
+
+
+def seen_elements(cloud: Cloud, walls: Walls, radius: float, nothing_hidden: bool, known: Lists | None = None
+                  ) -> Walls:
     """Return the walls with lists of the elements within the radius [m] that are not hidden by others.
 
     walls : with the lists of `near_lists`
+    nothing_hidden : as in a tank, of `is_open`
     known : lists by an earlier call, if no wall has moved since; those of wall particles are taken from them
-    resting : whether no wall moves; then wall particles need lists, and get them, only where something is hidden
-    The second is whether nothing is hidden, as in a tank: `is_open`.
     """
-    indptr, indices, free = np.empty_like(walls.indptr), np.empty_like(walls.indices), is_open(cloud, walls)
-    if free and resting:
-        known = np.zeros_like(indptr), indices
-    count = keep_unhidden(indptr, indices, cloud, walls, radius, free,
+    indptr = np.empty_like(walls.indptr)
+    indices = np.empty(len(walls.indices) + (0 if known is None else len(known[1])), np.int32)
+    count = keep_unhidden(indptr, indices, cloud, walls, radius, nothing_hidden,
                           (np.empty(0, np.int32), indices) if known is None else known)
-    return walls._replace(indptr=indptr, indices=indices[:count]), free
+    return walls._replace(indptr=indptr, indices=indices[:count])
 
 
 def seen_neighbours(cloud: Cloud, walls: Walls) -> tuple[np.ndarray, np.ndarray]:
@@ -276,7 +279,7 @@ def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: 
     The centroid or the nearest point, lifted off, must be visible: a moving wall hides the part of an element that it
     covers. Elements in front of which the particle is not are kept, so that fluid cannot pass them.
 
-    indptr, indices : outputs, as long as the lists of walls
+    indptr, indices : outputs, with room for the lists of walls and the known ones
     known : lists of wall particles, without rows if they are not known
     """
     axes, lift, shapes = cloud.axes, LIFT * cloud.spacing, walls.shapes

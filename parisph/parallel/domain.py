@@ -5,8 +5,9 @@ from mpi4py import MPI
 
 from parisph.base.arrays import Array, Flags, Floats, Ints
 from parisph.base.errors import CaseError, ParisphError
+from parisph.base.fields import WALL, WET
 from parisph.geometry.mesh import no_mesh
-from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.cells import far_from, neighbour_lists
 from parisph.parallel.halo import ROUNDING, Halo
 from parisph.parallel.migrate import migrate
 from parisph.parallel.particles import Particles
@@ -253,10 +254,23 @@ class Domain:
 
     def _rebuild_lists(self) -> None:
         p, radius = self.particles, self.radius + 2.0 * self.list_skin
-        self.indptr, self.indices = self._around = neighbour_lists(p.x_all, p.n_owned, radius)
-        self.elements.renew(p, radius)
+        apart = self._far_from_water(radius)
+        self.indptr, self.indices = self._around = neighbour_lists(p.x_all, p.n_owned, radius, apart)
+        self.elements.renew(p, radius, apart[:p.n_owned])
         self._list_x = p.x.copy()
         self.n_lists += 1
+
+    def _far_from_water(self, radius: float) -> Flags:
+        """Return which particles (n_all,) bool are nodes of walls in no list of fluid, nor of a node in such a list.
+
+        Their lists would hold nothing that a kernel reads. Wet nodes count as fluid, which may be on another rank.
+        radius : of the lists [m]
+        """
+        p = self.particles
+        apart: Flags = (p.kind_all == WALL) & (p.role_all != WET)
+        if apart.any():
+            apart[apart] = far_from(p.x_all[apart], p.x_all[~apart], 2.0 * radius)
+        return apart
 
     def _look_past_walls(self) -> None:
         """Remove neighbours behind walls from the lists, by the current positions.

@@ -12,7 +12,7 @@ from parisph.geometry.mesh import WallMesh
 from parisph.geometry.movers import Mover
 from parisph.kernels import solids, wetness
 from parisph.kernels.jit import axes_of
-from parisph.kernels.records import no_walls
+from parisph.kernels.records import Cloud, no_walls
 from parisph.parallel.particles import Particles
 
 MARGIN = 0.5     # spacings that a particle may move before elements near it are looked for again, if walls rest
@@ -52,9 +52,11 @@ class WallElements:
         self._planes = solids.plane_numbers(mesh.corners(), self.node_motion[mesh.elements[:, 0]], spacing)
         self._near = np.zeros(0, np.int64)
         self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
-        self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self._candidates, self._reach = solids.no_lists(0), 0.0
         self._searched: Floats | None = None    # places of particles at the last search
-        self._seen: solids.Lists | None = None    # elements that nodes see, if walls rest
+        self._apart: Flags = np.zeros(0, np.bool_)
+        # elements that nodes see, if walls rest, and which nodes have been looked at
+        self._seen, self._looked = solids.no_lists(0), np.zeros(0, np.bool_)
         self._mean = self.u
         self._place()
 
@@ -156,7 +158,8 @@ class WallElements:
 
     def settle(self, particles: Particles, width: float) -> None:
         """Choose the elements within the width [m] of owned particles, after these have changed ranks or order."""
-        p, corners, self._searched, self._seen = particles, self.mesh.corners(self.x), None, None
+        p, corners, self._searched = particles, self.mesh.corners(self.x), None
+        self._seen, self._looked = solids.no_lists(p.n_owned), np.zeros(p.n_owned, np.bool_)
         self._near = np.zeros(0, np.int64)
         if p.n_owned:
             lower, upper = p.x.min(axis=0) - width, p.x.max(axis=0) + width
@@ -182,31 +185,55 @@ class WallElements:
         element = int(nearest(x[None], self.walls.corners)[1][0])
         return str(self.mesh.bodies[self.mesh.element_body[self._near[element]]].name)
 
-    def renew(self, particles: Particles, radius: float) -> None:
+    def renew(self, particles: Particles, radius: float, apart: Flags | None = None) -> None:
         """Find the elements that may come within the radius [m] of owned particles until the next call.
 
-        If walls rest, only for particles that have moved by more than the margin since they were last looked for.
+        If walls rest, only for fluid that has moved by more than the margin since they were last looked for.
+
+        apart : (n_owned,) bool, nodes that need no lists; default none
         """
-        x, known, margin = particles.x, self._searched, MARGIN * self.spacing
+        p, known, margin, n = particles, self._searched, MARGIN * self.spacing, particles.n_owned
+        self._apart, self._reach = np.zeros(n, np.bool_) if apart is None else apart, radius + margin
         if self.moving or known is None:
-            self._candidates = solids.near_lists(x, self.walls.shapes, radius + margin)
-            self._searched = x.copy()
-            return
-        moved = np.flatnonzero(np.abs(x - known).max(axis=1) > margin / self.mesh.dim)
-        if len(moved):
-            found = solids.near_lists(x[moved], self.walls.shapes, radius + margin)
-            self._candidates = solids.replaced(*self._candidates, moved, *found)
-            known[moved] = x[moved]
+            which = np.flatnonzero(~self._apart if self.moving else p.kind != WALL)
+            self._candidates = solids.no_lists(n)
+            self._searched = known = p.x.copy()
+        else:
+            which = np.flatnonzero((np.abs(p.x - known).max(axis=1) > margin / self.mesh.dim) & (p.kind != WALL))
+        if len(which):
+            self._candidates = self._near_ones(self._candidates, p.x, which)
+            known[which] = p.x[which]
+
+    def _near_ones(self, lists: solids.Lists, x: Floats, which: Ints) -> solids.Lists:
+        """Return lists with those of some particles (m,) at x (n_owned, dim) [m] replaced by the elements near them."""
+        found = solids.near_lists(x[which], self.walls.shapes, self._reach)
+        replaced: solids.Lists = solids.replaced(*lists, which, *found)
+        return replaced
 
     def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
-        """Update the lists of elements within a radius [m]; return neighbour lists without particles behind walls."""
-        cloud = particles.cloud(indptr, indices, self.spacing)
+        """Update the lists of elements within a radius [m]; return neighbour lists without particles behind walls.
+
+        Nodes of walls at rest need lists, and get them, only where something is hidden.
+        """
+        cloud, n = particles.cloud(indptr, indices, self.spacing), particles.n_owned
+        free = bool(solids.is_open(cloud, self.walls))
+        if not (self.moving or free):
+            self._look_from_nodes(particles, cloud, radius)
+        known = None if self.moving else solids.no_lists(n) if free else self._seen
         near, others = self._candidates
-        self.walls, free = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius,
-                                                self._seen, not self.moving)
-        if not (self.moving or free):    # what nodes see does not change until particles are sorted again
-            self._seen = self.walls.indptr, self.walls.indices
+        self.walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius, free, known)
         return (indptr, indices) if free else solids.seen_neighbours(cloud, self.walls)
+
+    def _look_from_nodes(self, particles: Particles, cloud: Cloud, radius: float) -> None:
+        """Find what nodes at rest see that need lists for the first time since particles were sorted."""
+        p = particles
+        which = np.flatnonzero((p.kind == WALL) & ~self._apart & ~self._looked)
+        if len(which):
+            near, others = self._near_ones(solids.no_lists(p.n_owned), p.x, which)
+            walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius, False)
+            starts = np.append(walls.indptr[which], walls.indptr[-1])    # lists of others are empty
+            self._seen = solids.replaced(*self._seen, which, starts, walls.indices)
+            self._looked[which] = True
 
     def mean_of_nodes(self, values: Floats) -> Floats:
         """Return the mean over the corners of each element (M,) of values (n_all,) of particles.

@@ -5,6 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, ParticleLost
+from parisph.base.fields import DRY, FLUID, WALL, WET
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from tests.clouds import close_pairs, cloud, gathered, listed_pairs, spread, stamps
@@ -164,3 +165,26 @@ def test_unknown_field_is_refused_also_where_there_are_no_ghosts():
     domain.update("u", "p")
     with pytest.raises(ParisphError, match="no such particle field: pressure"):
         domain.update("u", "pressure")
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_nodes_far_from_water_have_no_lists_until_it_comes(dim):
+    """A line of nodes with fluid at one end, which then is at the other: lists near it are the full ones."""
+    x, kind = np.full((60, dim), 0.5), np.full(60, WALL, np.int8)
+    x[:, 0], kind[0] = np.linspace(0.01, 0.99, 60), FLUID
+    p = Particles(MPI.COMM_SELF, dim)
+    p.assign({"id": np.arange(60), "kind": kind, "x": x})
+    p.role[p.kind == WALL] = DRY
+    domain = Domain(p, np.zeros(dim), np.ones(dim), RADIUS, SKIN, LIST_SKIN)
+    radius = RADIUS + 2.0 * LIST_SKIN
+    for place in (0.01, 0.985):
+        p.x[p.id == 0, 0] = place
+        domain.refresh()
+        listed, away = np.diff(domain.indptr), np.abs(p.x[:, 0] - place)
+        full = np.array([np.count_nonzero(np.abs(p.x[:, 0] - one) < radius) - 1 for one in p.x[:, 0]])
+        np.testing.assert_array_equal(listed[away < radius], full[away < radius])
+        assert not listed[away > 2.0 * radius * 4.0 / 3.0].any()
+    p.role[np.argmin(p.x[:, 0])] = WET    # as beside water of another rank
+    p.x[p.id == 0, 0] = 0.5
+    domain.refresh()
+    assert np.diff(domain.indptr)[p.x[:, 0] < RADIUS].all()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.kernels.cells import _ordered, neighbour_lists
+from parisph.kernels.cells import _ordered, far_from, neighbour_lists
 from tests.pools import dims
 
 
@@ -46,6 +46,30 @@ def test_lists_of_owned_particles_hold_ghosts_too(dim):
     owned = len(x) // 3
     found = listed(x, owned, 2.1)
     assert found == brute(x, owned, 2.1) and max(max(row) for row in found) >= owned
+
+
+@dims
+def test_points_that_are_left_out_have_no_lists_and_are_in_none(dim):
+    x = jittered(dim, 16 if dim == 2 else 7, seed=2)
+    left_out, owned = np.random.default_rng(3).random(len(x)) < 0.4, 2 * len(x) // 3
+    indptr, indices = neighbour_lists(x, owned, 2.1, left_out)
+    every = brute(x, owned, 2.1)
+    out = set(np.flatnonzero(left_out))
+    for i, (first, last) in enumerate(zip(indptr[:-1], indptr[1:])):
+        row = indices[first:last].tolist()
+        assert set(row) == (set() if i in out else every[i] - out)
+        assert [j for j in row if j < owned] == sorted(j for j in row if j < owned)
+
+
+@dims
+def test_far_points_are_beyond_the_reach_and_all_well_beyond_it_are_far(dim):
+    x = 12.0 * np.random.default_rng(4).random((400, dim))
+    others, reach = np.random.default_rng(5).random((20, dim)) + 2.0, 3.0
+    found = far_from(x, others, reach)
+    apart = np.abs(x[:, None] - others[None])
+    assert (np.linalg.norm(apart, axis=2).min(axis=1)[found] > reach).all()
+    assert found[(apart.max(axis=2) > reach + reach / 3.0).all(axis=1)].all() and 0 < found.sum() < len(x)
+    assert far_from(x, others[:0], reach).all()
 
 
 @dims

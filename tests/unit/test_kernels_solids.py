@@ -218,12 +218,11 @@ def test_known_lists_of_nodes_are_those_found_anew():
     near = no_walls(0, 2)._replace(corners=corners, shapes=shapes)
     indptr, indices = solids.near_lists(scene.x, shapes, 3.0 * S)
     near = near._replace(indptr=indptr, indices=indices)
-    anew, _ = solids.seen_elements(cloud, near, 2.6 * S)
-    again, _ = solids.seen_elements(cloud, near, 2.6 * S, (anew.indptr, anew.indices))
+    anew = solids.seen_elements(cloud, near, 2.6 * S, False)
+    again = solids.seen_elements(cloud, near, 2.6 * S, False, (anew.indptr, anew.indices))
     np.testing.assert_array_equal(again.indptr, anew.indptr)
     np.testing.assert_array_equal(again.indices, anew.indices)
-    none = np.zeros_like(anew.indptr), np.zeros(0, np.int32)
-    without, _ = solids.seen_elements(cloud, near, 2.6 * S, none)    # so they are taken
+    without = solids.seen_elements(cloud, near, 2.6 * S, False, solids.no_lists(len(scene.x)))    # so they are taken
     walls = scene.kind == WALL
     assert not np.diff(without.indptr)[walls].any()
     np.testing.assert_array_equal(np.diff(without.indptr)[~walls], np.diff(anew.indptr)[~walls])
@@ -234,13 +233,3 @@ def test_lists_of_some_particles_are_replaced():
     found = solids.replaced(indptr, indices, np.array([0, 1]), np.array([0, 1, 3], np.int32),
                             np.array([8, 9, 1], np.int32))
     assert [list(one) for one in found] == [[0, 1, 3, 6], [8, 9, 1, 5, 6, 7]]
-
-
-def test_where_nothing_is_hidden_nodes_at_rest_need_no_lists():
-    scene = filled(StillWater(0.9), [Tank(2.0, 1.0)], S)
-    cloud, near = scene.records()
-    walls = scene.kind == WALL
-    every, free = solids.seen_elements(cloud, near, 2.6 * S)
-    fewer, _ = solids.seen_elements(cloud, near, 2.6 * S, resting=True)
-    assert free and np.diff(every.indptr)[walls].all() and not np.diff(fewer.indptr)[walls].any()
-    np.testing.assert_array_equal(np.diff(fewer.indptr)[~walls], np.diff(every.indptr)[~walls])

@@ -194,3 +194,30 @@ def test_elements_are_looked_for_again_where_particles_have_moved():
     np.testing.assert_array_equal(updated.indptr, anew.indptr)
     np.testing.assert_array_equal(updated.indices, anew.indices)
     assert not np.array_equal(seen(x).indptr, anew.indptr)
+
+
+@pytest.mark.parametrize("block", [False, True])
+def test_nodes_at_rest_see_elements_only_where_something_is_hidden_and_water_is_near(block):
+    """Lists of fluid are the same with and without nodes that need none; so are those of the other nodes."""
+    walls = [Tank(1.0, 1.0), *([Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.0)))] if block else [])]
+    mesh = wall_mesh(walls, S)
+    nodes, fluid = len(mesh.x0), 0.05 + 0.3 * np.random.default_rng(6).random((40, 2))
+    x, kind = np.concatenate([mesh.x0, fluid]), np.repeat(np.array([WALL, FLUID], np.int8), [nodes, 40])
+    apart = (kind == WALL) & (x[:, 1] > 0.7)
+
+    def seen(*sleeping):
+        elements, p = WallElements(mesh, 0, S), Particles(MPI.COMM_SELF, 2, FieldSet((*Boundary.fields, "wall_u")))
+        none = np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
+        p.assign({"id": np.arange(len(x)), "kind": kind, "x": x})
+        p.normal[:nodes] = mesh.normal0
+        elements.settle(p, 10.0)
+        for which in sleeping:
+            elements.renew(p, 2.6 * S, which)
+            elements.look(p, 2.6 * S, *none)
+        found = elements.walls
+        return [found.indices[a:b].tolist() for a, b in zip(found.indptr[:-1], found.indptr[1:])]
+
+    every, fewer = seen(np.zeros_like(apart)), seen(apart)
+    assert [bool(row) for row in every[:nodes]] == [block] * nodes
+    assert all(fewer[i] == ([] if apart[i] else every[i]) for i in range(len(x)))
+    assert seen(apart, np.zeros_like(apart)) == every    # the water has come near
