@@ -75,7 +75,7 @@ def test_fluid_that_has_left_a_wall_carries_its_half_cell(dim):
 
 
 @dims
-@pytest.mark.parametrize("height", [0.5, 1.0, 1.7, 2.2, 3.0])
+@pytest.mark.parametrize("height", [0.5, 1.0, 1.7, 1.85, 2.2, 3.0])
 def test_no_half_cell_is_lost_on_the_way(dim, height):
     """Whatever the distance of a particle from a wall is."""
     pool = filled(dim)
@@ -84,7 +84,7 @@ def test_no_half_cell_is_lost_on_the_way(dim, height):
     pool.relist()
     share, spare = counted(pool, np.where(np.arange(pool.n) == i, 0.5, 0.0))
     assert held(pool, share, spare) == pytest.approx(0.5, abs=1e-7)
-    assert spare[i] == pytest.approx(0.5 * np.clip(height - 1.0, 0.0, 1.0), abs=1e-7)
+    assert spare[i] == pytest.approx(0.5 * np.clip(1.0 - (2.0 - height) / halves.ROOM, 0.0, 1.0), abs=1e-7)
 
 
 @dims
@@ -102,7 +102,8 @@ def test_fluid_that_is_pressed_together_along_a_wall_represents_more_of_its_part
     """Strained along one axis by 0.8: there are 1/0.8 half cells at each wall particle."""
     pool = filled(dim)
     fluid, middle = pool.fluid, pool.x[pool.fluid].mean(axis=0)
-    beside = np.where(fluid & (pool.x[:, 1] < 1.5 * pool.spacing), 0.5, 0.0)
+    sides = (pool.index == 1).sum(axis=1) + (pool.index[:, :-1] == pool.top[:-1] - 1).sum(axis=1)
+    beside = np.where(fluid, 1.5**sides - 1.0, 0.0)
     pool.x[fluid, 0] = middle[0] + 0.8 * (pool.x[fluid, 0] - middle[0])
     pool.relist()
     low = (pool.kind == WALL) & (pool.corner == 0) & (pool.normal[:, 1] > 0.5)
