@@ -24,8 +24,7 @@ ROUNDING = 1e-12       # of the total energy: a smaller energy in motion counts 
 TORN = 1.5             # times the particles of a level surface: with more, its elevation has no meaning
 RANGES = ("energy", "motion", "kinetic", "volume")
 # why they may not be a number
-REASONS = {"energy": "a velocity or position is out of range",
-           "volume": "nothing was 2.1 spacings inside the fluid and 1.5 from walls"}
+REASONS = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
 
 
 @dataclass

@@ -10,22 +10,21 @@ import math
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
-from parisph.kernels.halves import LAYER
-from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
 MOST = 256  # neighbours of one particle; a cell with more is skipped
 
 
 @kernel
-def interior_cells(cloud: Cloud, spare: np.ndarray, away: float, reach: float) -> tuple[float, float, int]:
+def interior_cells(cloud: Cloud, cells: np.ndarray, away: float, reach: float) -> tuple[float, float, int]:
     """Return (sum of the areas [m^2], cells represented, number) of owned Voronoi cells inside the fluid.
 
-    Inside are inner particles farther than `away` from every surface and ballistic particle, and beyond the first layer
-    before a wall, whose cells include half cells of walls or not. The sites are fluid and wall particles. A cell that
-    the neighbours within the reach do not close is skipped, because its area would depend on the lists.
+    Inside are inner particles farther than `away` from every surface and ballistic particle. Cells end at walls. A cell
+    that the neighbours within the reach do not close is skipped, because its area would depend on the lists.
 
-    spare : (n_owned,), cells that a particle represents beside its own (halves.claims)
+    cells : (n_owned,), those that particles represent, with half cells at walls; or empty, where fluid at walls stays
+        there: wall particles then have cells of their own, and each fluid particle represents one
     away <= reach : at most the radius of the lists [m]
     """
     rx, ry, limit, along = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
@@ -33,34 +32,55 @@ def interior_cells(cloud: Cloud, spare: np.ndarray, away: float, reach: float) -
     for i in range(len(cloud.indptr) - 1):
         if cloud.role[i] != INNER:
             continue
-        n = _neighbours(rx, ry, limit, i, cloud, away, reach)
+        n = _neighbours(rx, ry, limit, i, cloud, away, reach, len(cells) > 0)
         area, farthest2 = _walk(rx, ry, limit, along, n)
         # sites beyond the reach can cut off only corners farther away than half the reach
         if 4.0 * farthest2 < reach * reach:
             total += area
             count += 1
-            meant += 1.0 + spare[i]
+            meant += cells[i] if len(cells) > 0 else 1.0
     return total, meant, count
 
 
 @subkernel
-def _neighbours(rx, ry, limit, i, cloud, away, reach):
-    """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near surface and walls."""
-    x, role, n, wall = cloud.x, cloud.role, 0, LAYER * cloud.spacing
+def _neighbours(rx, ry, limit, i, cloud, away, reach, to_walls):
+    """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near the surface.
+
+    to_walls : whether the images of the particle behind walls count in place of wall particles
+    """
+    x, role, n = cloud.x, cloud.role, 0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
         dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
         d2 = dx * dx + dy * dy
         if (role[j] == SURFACE or role[j] == BALLISTIC) and d2 < away * away:
             return 0
-        if cloud.kind[j] == WALL and d2 < wall * wall:
-            return 0
+        if to_walls and cloud.kind[j] == WALL:
+            depth = before_wall(i, j, cloud)
+            dx, dy = -2.0 * depth * cloud.normal[j, 0], -2.0 * depth * cloud.normal[j, 1]
+            d2 = 4.0 * depth * depth
+            if d2 == 0.0:
+                continue
         if d2 < reach * reach:
             if n == len(rx):
                 return 0
             rx[n], ry[n], limit[n] = dx, dy, 0.5 * d2
             n += 1
     return n
+
+
+@inlined
+def before_wall(i: int, j: int, cloud: Cloud) -> float:
+    """Return the distance [m] of particle i from the wall of particle j, 0 if it is not straight before this particle.
+
+    Particles in corners have no wall of their own.
+    """
+    depth, d2 = 0.0, 0.0
+    for a in range(len(cloud.axes)):
+        depth += (cloud.x[i, a] - cloud.x[j, a]) * cloud.normal[j, a]
+        d2 += (cloud.x[i, a] - cloud.x[j, a]) ** 2
+    straight = not cloud.corner[j] and d2 - depth * depth < cloud.spacing * cloud.spacing
+    return max(depth, 0.0) if straight else 0.0
 
 
 @subkernel

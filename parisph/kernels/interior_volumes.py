@@ -11,7 +11,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
-from parisph.kernels.halves import LAYER
+from parisph.kernels.interior import before_wall
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud
 
@@ -29,15 +29,14 @@ def spiral(many: int = DIRECTIONS) -> Floats:
 
 
 @kernel
-def interior_volumes(cloud: Cloud, spare: np.ndarray, away: float, reach: float,
+def interior_volumes(cloud: Cloud, cells: np.ndarray, away: float, reach: float,
                      toward: np.ndarray) -> tuple[float, float, int]:
     """Return (sum of the volumes [m^3], cells represented, number) of owned Voronoi cells inside the fluid.
 
-    Inside are inner particles farther than `away` from every surface and ballistic particle, and beyond the first layer
-    before a wall, whose cells include half cells of walls or not. The sites are fluid and wall particles. A cell that
-    the neighbours within the reach do not close is skipped.
+    Inside are inner particles farther than `away` from every surface and ballistic particle. Cells end at walls. A cell
+    that the neighbours within the reach do not close is skipped.
 
-    spare : (n_owned,), cells that a particle represents beside its own (halves.claims)
+    cells : as of `interior.interior_cells`
     away <= reach : at most the radius of the lists [m]; toward : (3, m), evenly spread unit vectors
     """
     d, size, nearness, m = np.empty((3, MOST)), np.empty(MOST), np.empty(toward.shape[1]), toward.shape[1]
@@ -45,7 +44,7 @@ def interior_volumes(cloud: Cloud, spare: np.ndarray, away: float, reach: float,
     for i in range(len(cloud.indptr) - 1):
         if cloud.role[i] != INNER:
             continue
-        n = _neighbours(d, size, i, cloud, away, reach)
+        n = _neighbours(d, size, i, cloud, away, reach, len(cells) > 0)
         if n == 0:
             continue
         nearness[:] = 0.0
@@ -59,22 +58,27 @@ def interior_volumes(cloud: Cloud, spare: np.ndarray, away: float, reach: float,
                 cubes += 1.0 / (nearness[k] * nearness[k] * nearness[k])
             total += 4.0 / 3.0 * math.pi * cubes / m
             count += 1
-            meant += 1.0 + spare[i]
+            meant += cells[i] if len(cells) > 0 else 1.0
     return total, meant, count
 
 
 @subkernel
-def _neighbours(d, size, i, cloud, away, reach):
-    """Write r_ij and |r_ij| of the neighbours within the reach; return their number, 0 near surface and walls."""
-    x, role, n, wall = cloud.x, cloud.role, 0, LAYER * cloud.spacing
+def _neighbours(d, size, i, cloud, away, reach, to_walls):
+    """Write r_ij and |r_ij| of the neighbours within the reach; return their number, 0 near the surface.
+
+    to_walls : whether the images of the particle behind walls count in place of wall particles
+    """
+    x, role, n = cloud.x, cloud.role, 0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         d2 = dx * dx + dy * dy + dz * dz
         if (role[j] == SURFACE or role[j] == BALLISTIC) and d2 < away * away:
             return 0
-        if cloud.kind[j] == WALL and d2 < wall * wall:
-            return 0
+        if to_walls and cloud.kind[j] == WALL:
+            depth = before_wall(i, j, cloud)
+            dx, dy = -2.0 * depth * cloud.normal[j, 0], -2.0 * depth * cloud.normal[j, 1]
+            dz, d2 = -2.0 * depth * cloud.normal[j, 2], 4.0 * depth * depth
         if 0.0 < d2 < reach * reach:
             if n == len(size):
                 return 0

@@ -58,7 +58,7 @@ def test_first_pressure_on_wall_and_bed_is_that_of_the_reference(start):
 def fall(tmp_path_factory):
     """800 particles past the first impact on the far wall, to t sqrt(g/H) = 2.5: (run, summary).
 
-    The energy rises by 0.07 to 0.1 % in jittered starts, and by 0.12 % from the lattice.
+    The energy rises by 0.06 to 0.11 % in six jittered starts, and by 0.1 % from the lattice.
     """
     folder = tmp_path_factory.mktemp("dam_break") / "run"
     case = scene("dam_break", spacing=0.025, end_time=2.5, volume_every=1, jitter=0.2, seed=1)
@@ -86,9 +86,9 @@ def test_volume_and_energy(fall):
     found, _ = fall
     cell, energy = found.probe("volume")["cell"], found.probe("energy")["total"]
     assert np.abs(cell - 1.0).max() < 0.011
-    assert energy.max() < 1.001 * energy[0], "nothing feeds it"
+    assert energy.max() < 1.0012 * energy[0], "nothing feeds it"
     before, after = np.interp([1.45 * UNIT, 2.0 * UNIT], found.probe("energy")["time"], energy)
-    assert before > 0.985 * energy[0], "nothing takes it before the impact"
+    assert before > 0.997 * energy[0], "nothing takes it before the impact"
     assert after > 0.93 * energy[0], "what an impact takes with so few particles"
 
 

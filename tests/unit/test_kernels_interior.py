@@ -3,22 +3,22 @@
 import numpy as np
 import pytest
 
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE
+from parisph.base.fields import BALLISTIC, DRY, INNER, SURFACE
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.interior import MOST, interior_cells
+from parisph.kernels.interior_volumes import interior_volumes, spiral
 from parisph.kernels.records import cloud_of
 from tests.pools import tank
 
 
-def cells_of(x, role=None, away=0.0, reach=2.6, owned=None, kind=None):
-    """Return (sum of areas, number) of the cells of the first `owned` points, all fluid by default."""
+def cells_of(x, role=None, away=0.0, reach=2.6, owned=None):
+    """Return (sum of areas, number) of the cells of the first `owned` points, all of which have cells of their own."""
     owned = len(x) if owned is None else owned
     role = np.full(len(x), INNER, np.int8) if role is None else role
-    kind = np.full(len(x), FLUID, np.int8) if kind is None else kind
     indptr, indices = neighbour_lists(x, owned, reach)
-    cloud = cloud_of(x, kind, role, np.zeros_like(x), indptr, indices, 1.0)
-    total, meant, count = interior_cells(cloud, np.full(owned, 0.25), away, reach)
-    assert meant == 1.25 * count    # each represents its own cell and a quarter
+    cloud = cloud_of(x, role, role, np.zeros_like(x), indptr, indices, 1.0)
+    total, meant, count = interior_cells(cloud, np.zeros(0), away, reach)
+    assert meant == count
     return total, count
 
 
@@ -84,13 +84,41 @@ def test_cells_near_the_surface_are_left_out(role):
     assert count == np.count_nonzero(inside & far) and total == pytest.approx(count, rel=1e-12)
 
 
-def test_walls_have_no_cells_and_the_first_layer_before_them_is_left_out():
-    """Its cells include half cells of the walls, or not."""
+def test_walls_close_cells_but_have_none():
     pool = tank((12, 9), lid=True, spacing=1.0)
-    total, count = cells_of(pool.x, pool.role, kind=pool.kind)
-    assert count == 9 * 6 and total == pytest.approx(54.0, rel=1e-12)
+    total, count = cells_of(pool.x, pool.role)
+    assert count == 11 * 8 and total == pytest.approx(88.0, rel=1e-12)
     pool.role[~pool.fluid] = DRY
-    assert cells_of(pool.x, pool.role, kind=pool.kind) == (total, count)
+    assert cells_of(pool.x, pool.role) == (total, count)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_cells_end_at_walls_if_fluid_takes_half_cells_along(dim):
+    """Those of the first layer are 3/2 wide on the lattice, and 1 half a spacing from the wall."""
+    pool = tank((12, 9) if dim == 2 else (7, 7, 8), lid=True, spacing=1.0, reach=3.1)
+    sides = (pool.index == 1).sum(axis=1) + (pool.index == pool.top - 1).sum(axis=1)
+    closed = pool.fluid & (sides < 3)    # where three walls meet, a corner of the cell is too far for the lists
+    total, meant, count = summed(pool, 1.5**sides, 3.1)
+    assert count == closed.sum() and meant == (1.5**sides)[closed].sum()
+    assert total == pytest.approx(meant, rel=1e-12 if dim == 2 else 2e-3)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_cells_beside_walls_are_those_beside_an_image(dim):
+    pool = tank((12, 9) if dim == 2 else (7, 7, 8), lid=True, spacing=1.0, reach=3.1)
+    i = pool.at(*(4,) * (dim - 1), 1)
+    before, _, count = summed(pool, np.ones(pool.n), 3.1)
+    pool.x[i, -1] -= 0.4
+    pool.relist()
+    after = summed(pool, np.ones(pool.n), 3.1)
+    assert after[2] == count and after[0] == pytest.approx(before, rel=1e-12 if dim == 2 else 2e-3)
+
+
+def summed(pool, cells, reach):
+    """Return (sum of cells, cells represented, number) in a pool, cut off at its walls."""
+    if pool.dim == 3:
+        return interior_volumes(pool.cloud, cells, 0.0, reach, spiral())
+    return interior_cells(pool.cloud, cells, 0.0, reach)
 
 
 def test_nothing_inside():

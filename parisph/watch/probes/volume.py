@@ -17,7 +17,7 @@ class Volume(Probe):
 
     It is dimensionless, 1 on a lattice of the spacing; fluid of another shape may start with other cells. The column
     `count` is the number of averaged cells: those of inner particles farther than 2.1 spacings from all surface and
-    ballistic particles, and 1.5 from walls. Without any, the mean is nan.
+    ballistic particles, with what they represent of the half cells at walls. Without any, the mean is nan.
 
     >>> Volume("volume", every=10).every
     10
@@ -38,10 +38,11 @@ class Volume(Probe):
 
         p, d, s = view.particles, view.domain, view.scene.spacing
         cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
-        spare = p.spare if "spare" in p.fields else np.zeros(p.n_owned)
+        cells = p.weight + p.beside if "beside" in p.fields else np.zeros(0)
+        cloud = cloud._replace(corner=p.corner_all)
         if view.scene.dim == 3:
-            return np.array(interior_volumes(cloud, spare, INSIDE * s, d.radius, spiral()))
-        return np.array(interior_cells(cloud, spare, INSIDE * s, d.radius))
+            return np.array(interior_volumes(cloud, cells, INSIDE * s, d.radius, spiral()))
+        return np.array(interior_cells(cloud, cells, INSIDE * s, d.radius))
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
         return (sums[0] / (sums[1] * view.scene.spacing**view.scene.dim) if sums[1] else np.nan), sums[2]
