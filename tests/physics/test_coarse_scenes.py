@@ -20,7 +20,7 @@ COARSE = {
     "dam_break_sill": {"spacing": 0.05, "end_time": 0.2},
     "dam_break_zhou": {"spacing": 0.1, "distance": 5.4, "end_time": 1.0},
     "drop_3d": {"spacing": 0.25, "end_time": 0.06},
-    "flume_3d": {"spacing": 0.1, "end_time": 0.07},
+    "flume_3d": {"spacing": 0.085, "end_time": 0.07},
     "free_drop": {"spacing": 0.1, "end_time": 0.3},
     "hu_kashiwagi": {"spacing": 0.02, "end_time": 0.15},
     "hydrostatic": {"spacing": 0.1, "end_time": 0.3},
