@@ -119,7 +119,8 @@ def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarra
 def wall_share(share: np.ndarray, cloud: Cloud, weight: np.ndarray) -> None:
     """Write the part of the half cells at owned wall particles that fluid represents: the sum of share_j beside_ij.
 
-    Fluid pressed together along a wall represents more than one.
+    Fluid pressed together along a wall represents more than one. Walls without weight, which fluid has not claimed,
+    count at most once.
 
     share : (n_all,), that of fluid is read (`claims`); weight : (n_all,), of nodes the part of a cell inside the fluid
     """
@@ -131,4 +132,4 @@ def wall_share(share: np.ndarray, cloud: Cloud, weight: np.ndarray) -> None:
             j = cloud.indices[k]
             if cloud.kind[j] == FLUID and share[j] > 0.0:
                 total += share[j] * beside_node(i, j, cloud, weight[i])
-        share[i] = total
+        share[i] = total if weight[i] > 0.0 else min(total, 1.0)
