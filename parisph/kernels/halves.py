@@ -119,17 +119,19 @@ def claims(share: np.ndarray, spare: np.ndarray, cloud: Cloud, beside: np.ndarra
 def wall_share(share: np.ndarray, cloud: Cloud, weight: np.ndarray) -> None:
     """Write the part of the half cells at owned wall particles that fluid represents: the sum of share_j beside_ij.
 
-    Fluid pressed together along a wall represents more than one. Walls without weight, which fluid has not claimed,
-    count at most once.
+    Fluid pressed together along a wall represents more than one. Walls without weight count once.
 
     share : (n_all,), that of fluid is read (`claims`); weight : (n_all,), of nodes the part of a cell inside the fluid
     """
     for i in range(len(cloud.indptr) - 1):
         if cloud.kind[i] != WALL:
             continue
+        share[i] = 1.0
+        if weight[i] == 0.0:
+            continue
         total = 0.0
         for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
             j = cloud.indices[k]
             if cloud.kind[j] == FLUID and share[j] > 0.0:
                 total += share[j] * beside_node(i, j, cloud, weight[i])
-        share[i] = total if weight[i] > 0.0 else min(total, 1.0)
+        share[i] = total

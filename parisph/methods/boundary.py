@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from parisph.base.arrays import Array, Flags, Floats
-from parisph.base.fields import ABSENT, DRY, WALL
+from parisph.base.fields import ABSENT, DRY, FLUID, WALL, WET
 from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import density, gradient, movement, nearest_walls, wall_law, wetness
@@ -44,6 +44,15 @@ class Boundary:
         if self.elements.moving:
             p.covered *= np.clip(0.5 + self.elements.before_moving(p) / flow.spacing, 0.0, 1.0)
         return ("covered",)
+
+    def claimed(self, flow: "Flow") -> Floats:
+        """Return the weights (n_all,) of particles, 0 for nodes whose half cells fluid does not represent.
+
+        They were dry in the last step, like a lid above the water. Convex edges are dry everywhere.
+        """
+        p = flow.particles
+        fluid = (p.kind_all == FLUID) | (p.role_all == WET) | (p.edge_all == CONVEX)
+        return np.where(fluid, p.weight_all, 0.0)
 
     def completion(self, flow: "Flow", least: int) -> Completion:
         """Return the completion of sums by the covered parts of walls. Computed once in a step, after the surface.

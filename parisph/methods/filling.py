@@ -6,8 +6,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.arrays import Flags, Floats
-from parisph.base.fields import DRY, FLUID, INNER, SURFACE, WALL
-from parisph.geometry.mesh import CONVEX
+from parisph.base.fields import FLUID, INNER, SURFACE, WALL
 from parisph.kernels import halves, packing, strain, surface_rows
 from parisph.kernels.cells import nearest_points
 from parisph.methods import lengths
@@ -107,16 +106,14 @@ def halve_on_lattice(flow: Flow) -> None:
 def remember_beside(flow: Flow) -> None:
     """Write the half cells of nodes that fluid represents where a part asks for them. Collective.
 
-    Each is divided by the measure of the steps, so that water at its walls carries few away (halves.claims). The half
-    cells of nodes above the water, like those of a lid, are air. Convex edges are dry everywhere.
+    Each is divided by the measure of the steps, so that water at its walls carries few away (halves.claims).
     """
     if flow.half_cells:
-        p = flow.particles
+        p, weight = flow.particles, flow.walls.claimed(flow)
         p.share_all[:] = p.kind_all == FLUID
-        halves.wall_share(p.share_all, flow.cloud, p.weight_all)
+        halves.wall_share(p.share_all, flow.cloud, weight)
         flow.domain.update("share")
-        wet = (p.share_all > 0.0) & ((p.role_all != DRY) | (p.edge_all == CONVEX))
-        weight = np.divide(p.weight_all, p.share_all, out=np.zeros(p.n_all), where=wet)
+        weight = np.divide(weight, p.share_all, out=np.zeros(p.n_all), where=p.share_all > 0.0)
         halves.half_cells_around(p.beside, flow.cloud, weight)
 
 

@@ -38,15 +38,15 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
         rule.find(flow, p.kind_all)
         return
     wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.step.force, dt)
-    d.update("closing", *flow.walls.cover(flow))
+    also = flow.walls.cover(flow)
     if flow.half_cells:
-        # fluid does not represent the half cells of walls that it does not touch, as below a lid
-        weight = np.where((p.kind_all == FLUID) | (p.closing_all == wetness.CLOSING), p.weight_all, 0.0)
+        weight = flow.walls.claimed(flow)
         halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, weight)
         d.update("share", "spare")
         halves.wall_share(p.share_all, flow.cloud, weight)
-        d.update("share")
+        also = (*also, "share")
     flow.step.completions.clear()
+    d.update("closing", *also)
     if flow.weighed:
         flow.walls.density(p.alpha, flow, wetness.CLOSING)
     rule.find(flow, flow.seen(wetness.CLOSING))
