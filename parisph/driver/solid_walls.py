@@ -20,7 +20,6 @@ from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
 LEAST = 0.25    # of a cell: half of a half cell at a wall
-HALVED = 0.8    # of the weight: beside walls, half a cell has 0.75, as in releases that did not mark it
 APART = 4    # passes that part close pairs of a jittered start, to below rounding
 
 
@@ -73,11 +72,11 @@ def _beside_of_volumes(flow: Flow) -> Floats:
     """Return the half cells of walls that fluid represented at the start, over s^dim: (n_owned,). Not collective.
 
     They are exact where fluid began on the lattice, but for edges of columns in 3D. Elsewhere the weight is a mean, and
-    only half cells that stand out of the scatter count.
+    only half cells that stand out of the scatter count. Fluid at a water line represents none of the nodes there.
     """
     p, cells = flow.particles, flow.cells[:flow.particles.n_owned]
-    found = np.where((p.half == 1) | (cells < HALVED * p.weight), 2.0 * cells - 1.0, cells - p.weight)
-    return np.where((p.kind == FLUID) & (found > LEAST), found, 0.0)
+    found = cells - p.weight
+    return np.where((p.kind == FLUID) & (p.half == 0) & (found > LEAST), found, 0.0)
 
 
 def fill(case: Case, flow: Flow) -> None:
