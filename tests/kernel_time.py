@@ -8,7 +8,7 @@ from parisph.pressure import rows
 
 _CALLED_FROM = {
     projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions", "films"), straining: ("strain",),
-    positions: ("pairs", "shifting"), boundary: ("density", "solids"),
+    positions: ("pairs", "shifting"), boundary: ("density", "nearest_walls"),
     operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
     domain: ("neighbour_lists",),
 }

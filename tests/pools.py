@@ -11,10 +11,11 @@ from parisph.case.lattice import Lattice
 from parisph.geometry.mesh import WallMesh, block_mesh
 from parisph.kernels import density, records
 from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.elements import plane_numbers, shapes_of
 from parisph.kernels.jit import axes_of
 from parisph.kernels.moments import second_moment
 from parisph.kernels.records import cloud_of, no_walls
-from parisph.kernels.solids import is_open, near_lists, plane_numbers, seen_elements, shapes_of
+from parisph.kernels.sight import is_open, near_lists, seen_elements
 from parisph.patch import arrangement
 
 dims = pytest.mark.parametrize("dim", [2, 3])

@@ -8,7 +8,7 @@ from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.bodies import StillWater
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import WallMesh, wall_mesh
-from parisph.kernels import density, packing, solids
+from parisph.kernels import density, packing, sight
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 from parisph.kernels.records import cloud_of
@@ -55,7 +55,7 @@ class Scene:
         walls = elements_near(self.x, self.corners, radius, self.spacing, self.normal)
         around = neighbour_lists(self.x, len(self.x), radius)
         cloud = cloud_of(self.x, self.kind, self.role, self.normal, *around, self.spacing)
-        indptr, indices = solids.seen_neighbours(cloud, walls)
+        indptr, indices = sight.seen_neighbours(cloud, walls)
         return cloud._replace(indptr=indptr, indices=indices), walls._replace(present=self.present.astype(float))
 
     def lists(self):
@@ -104,3 +104,10 @@ def beside(mesh, x, spacing):
     role = np.repeat(np.array([INNER, WET], np.int8), [len(x), len(mesh.x0)])
     return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh,
                  spacing)
+
+
+def fluid(x, corners, spacing, lists=None):
+    """Return the Cloud of fluid at points x, with neighbour lists if any are given, and the Walls near them."""
+    x = np.atleast_2d(np.array(x, float))
+    kind, lists = np.full(len(x), FLUID, np.int8), lists or (np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32))
+    return cloud_of(x, kind, kind, np.zeros_like(x), *lists, spacing), elements_near(x, corners, 2.6 * spacing, spacing)

@@ -4,7 +4,7 @@ import numpy as np
 
 from parisph.base.arrays import Ints
 from parisph.base.errors import ParticleLost, agree
-from parisph.kernels import solids
+from parisph.kernels import nearest_walls
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
@@ -18,7 +18,7 @@ def check(domain: Domain) -> None:
     elements = domain.elements
     p = domain.particles
     depth = np.empty(p.n_owned)
-    solids.depths(depth, p.cloud(domain.indptr, domain.indices, elements.spacing), elements.walls)
+    nearest_walls.depths(depth, p.cloud(domain.indptr, domain.indices, elements.spacing), elements.walls)
     worst = depth.max(initial=0.0) / elements.spacing
     lost = np.flatnonzero(depth > DEEP * elements.spacing) if worst > DEEP else np.zeros(0, np.int64)
     agree(p.comm, _loss(p, elements, lost, worst) if len(lost) else None)

@@ -12,8 +12,8 @@ import numpy as np
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.near import room_for
+from parisph.kernels.nearest_walls import nearest_walls, three_places
 from parisph.kernels.records import Cloud, Walls
-from parisph.kernels.solids import nearest_walls, three_places
 
 ON_PLANE = 0.1      # tuned 0.05 to 0.2: distance from the plane of a wall on which particles lie, in radii; judged
 

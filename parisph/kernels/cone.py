@@ -15,10 +15,10 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE
+from parisph.kernels.elements import nearest_point
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import room_for
 from parisph.kernels.records import Cloud, Walls
-from parisph.kernels.solids import nearest_point
 
 BINS = 16     # across a face of the cube
 SPLITS = 4    # of an icosahedron's edge; with 2, particles of a jittered surface have no free cone

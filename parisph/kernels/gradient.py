@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
 from parisph.kernels.edges import edge_direction
+from parisph.kernels.elements import element_normal, nearest_point
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import invert, pair_weight
@@ -14,7 +15,6 @@ from parisph.kernels.near import Form, dot, fill_up, gather, room_for, sum_chang
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
-from parisph.kernels.solids import element_normal, nearest_point
 
 TOO_FEW = -1.0      # quality of a moment of fewer than dim + 1 neighbours
 # Damping of velocity slopes at walls, in squares of the radius. Along the wall it matters only where a few neighbours

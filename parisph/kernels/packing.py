@@ -12,9 +12,9 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import nearest_points
 from parisph.kernels.density import KernelTable, completed_density
 from parisph.kernels.jit import kernel
+from parisph.kernels.nearest_walls import keep_off
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
-from parisph.kernels.solids import keep_off
 
 STEPS = 100       # tuned 50 to 200: steps of the packing; judged
 STRENGTH = 0.3    # tuned 0.15 to 0.6: strength of a shift of the packing, in h^2; judged

@@ -12,10 +12,10 @@ import numpy as np
 
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE
 from parisph.kernels.across import gather_across, room_across
+from parisph.kernels.elements import nearest_point
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
-from parisph.kernels.solids import nearest_point
 
 SECTORS = 16  # of the circle, in the quick test for a gap
 

@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.base.fields import FLUID
+from parisph.kernels.elements import element_normal
 from parisph.kernels.jit import inlined, kernel, subkernel
+from parisph.kernels.nearest_walls import nearest_walls, three_places
 from parisph.kernels.records import Cloud, Walls
-from parisph.kernels.solids import element_normal, nearest_walls, three_places
 
 FACTOR, POWER = 8.3, 1.0 / 7.0    # u+ = 8.3 y+^(1/7)
 KARMAN, ROUGH = 0.41, 8.5         # u+ = ln(y/k)/.41 + 8.5

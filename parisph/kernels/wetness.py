@@ -6,10 +6,10 @@ import numpy as np
 
 from parisph.base.fields import ABSENT, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.edges import edge_direction
+from parisph.kernels.elements import element_normal, nearest_point
 from parisph.kernels.halves import LAYER, deeper
 from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.records import Cloud, Walls
-from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
 TOUCH = 0.55    # tuned 0.275 to 1: fluid that touches a wall; the guard stops it at half a spacing; judged

@@ -8,7 +8,7 @@ from parisph.base.arrays import Array, Flags, Floats
 from parisph.base.fields import ABSENT, DRY, WALL
 from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
-from parisph.kernels import density, gradient, movement, solids, wall_law, wetness
+from parisph.kernels import density, gradient, movement, nearest_walls, wall_law, wetness
 from parisph.kernels.near import Form
 from parisph.kernels.records import Walls
 from parisph.methods import lengths
@@ -84,11 +84,11 @@ class Boundary:
     def keep_off(self, move: Floats, flow: "Flow", distance: float | None = None) -> None:
         """Keep moves (n_owned, dim) [m] of fluid a distance [spacings] off walls, by default that of the wall guard."""
         distance = flow.numerics.wall_guard if distance is None else distance
-        solids.keep_off(move, flow.cloud, self.elements.walls, distance * flow.spacing)
+        nearest_walls.keep_off(move, flow.cloud, self.elements.walls, distance * flow.spacing)
 
     def guard(self, u: Floats, flow: "Flow", dt: float) -> None:
         """Limit velocities u (n_all, dim) [m/s] of owned fluid, so that a step of dt [s] ends before a wall."""
-        solids.guard(u, flow.cloud, self.elements.walls, flow.numerics.wall_guard * flow.spacing, dt)
+        nearest_walls.guard(u, flow.cloud, self.elements.walls, flow.numerics.wall_guard * flow.spacing, dt)
 
     # -- friction --------------------------------------------------------------------------
 

@@ -10,7 +10,8 @@ from parisph.base.fields import DRY, WALL
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.movers import Mover
-from parisph.kernels import solids, wetness
+from parisph.kernels import sight, wetness
+from parisph.kernels.elements import plane_numbers, shapes_of
 from parisph.kernels.jit import axes_of
 from parisph.kernels.records import Cloud, no_walls
 from parisph.parallel.particles import Particles
@@ -49,14 +50,14 @@ class WallElements:
         self.moves = self.node_motion > 0
         self._moving = {number: (movers[number], np.flatnonzero(self.node_motion == number))
                         for number in np.unique(self.node_motion[self.moves])}
-        self._planes = solids.plane_numbers(mesh.corners(), self.node_motion[mesh.elements[:, 0]], spacing)
+        self._planes = plane_numbers(mesh.corners(), self.node_motion[mesh.elements[:, 0]], spacing)
         self._near = np.zeros(0, np.int64)
         self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
-        self._candidates, self._reach = solids.no_lists(0), 0.0
+        self._candidates, self._reach = sight.no_lists(0), 0.0
         self._searched: Floats | None = None    # places of particles at the last search
         self._apart: Flags = np.zeros(0, np.bool_)
         # elements that nodes see, if walls rest, and which nodes have been looked at
-        self._seen, self._looked = solids.no_lists(0), np.zeros(0, np.bool_)
+        self._seen, self._looked = sight.no_lists(0), np.zeros(0, np.bool_)
         self._mean = self.u
         self._place()
 
@@ -159,7 +160,7 @@ class WallElements:
     def settle(self, particles: Particles, width: float) -> None:
         """Choose the elements within the width [m] of owned particles, after these have changed ranks or order."""
         p, corners, self._searched = particles, self.mesh.corners(self.x), None
-        self._seen, self._looked = solids.no_lists(p.n_owned), np.zeros(p.n_owned, np.bool_)
+        self._seen, self._looked = sight.no_lists(p.n_owned), np.zeros(p.n_owned, np.bool_)
         self._near = np.zeros(0, np.int64)
         if p.n_owned:
             lower, upper = p.x.min(axis=0) - width, p.x.max(axis=0) + width
@@ -178,7 +179,7 @@ class WallElements:
         n, corners = len(elements), np.ascontiguousarray(self.x[elements])
         self.walls = self.walls._replace(corners=corners, velocity=self.velocity, present=np.ones(n),
                                          sticks=np.zeros(n, np.bool_),
-                                         shapes=solids.shapes_of(corners, self._planes[self._near]))
+                                         shapes=shapes_of(corners, self._planes[self._near]))
 
     def name_near(self, x: Floats) -> str:
         """Return the name of the body of the chosen element nearest to x (dim,) [m]."""
@@ -196,7 +197,7 @@ class WallElements:
         self._apart, self._reach = np.zeros(n, np.bool_) if apart is None else apart, radius + margin
         if self.moving or known is None:
             which = np.flatnonzero(~self._apart if self.moving else p.kind != WALL)
-            self._candidates = solids.no_lists(n)
+            self._candidates = sight.no_lists(n)
             self._searched = known = p.x.copy()
         else:
             which = np.flatnonzero((np.abs(p.x - known).max(axis=1) > margin / self.mesh.dim) & (p.kind != WALL))
@@ -204,10 +205,10 @@ class WallElements:
             self._candidates = self._near_ones(self._candidates, p.x, which)
             known[which] = p.x[which]
 
-    def _near_ones(self, lists: solids.Lists, x: Floats, which: Ints) -> solids.Lists:
+    def _near_ones(self, lists: sight.Lists, x: Floats, which: Ints) -> sight.Lists:
         """Return lists with those of some particles (m,) at x (n_owned, dim) [m] replaced by the elements near them."""
-        found = solids.near_lists(x[which], self.walls.shapes, self._reach)
-        replaced: solids.Lists = solids.replaced(*lists, which, *found)
+        found = sight.near_lists(x[which], self.walls.shapes, self._reach)
+        replaced: sight.Lists = sight.replaced(*lists, which, *found)
         return replaced
 
     def look(self, particles: Particles, radius: float, indptr: Array, indices: Array) -> tuple[Array, Array]:
@@ -216,23 +217,23 @@ class WallElements:
         Nodes of walls at rest need lists, and get them, only where something is hidden.
         """
         cloud, n = particles.cloud(indptr, indices, self.spacing), particles.n_owned
-        free = bool(solids.is_open(cloud, self.walls))
+        free = bool(sight.is_open(cloud, self.walls))
         if not (self.moving or free):
             self._look_from_nodes(particles, cloud, radius)
-        known = None if self.moving else solids.no_lists(n) if free else self._seen
+        known = None if self.moving else sight.no_lists(n) if free else self._seen
         near, others = self._candidates
-        self.walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius, free, known)
-        return (indptr, indices) if free else solids.seen_neighbours(cloud, self.walls)
+        self.walls = sight.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius, free, known)
+        return (indptr, indices) if free else sight.seen_neighbours(cloud, self.walls)
 
     def _look_from_nodes(self, particles: Particles, cloud: Cloud, radius: float) -> None:
         """Find what nodes at rest see that need lists for the first time since particles were sorted."""
         p = particles
         which = np.flatnonzero((p.kind == WALL) & ~self._apart & ~self._looked)
         if len(which):
-            near, others = self._near_ones(solids.no_lists(p.n_owned), p.x, which)
-            walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius, False)
+            near, others = self._near_ones(sight.no_lists(p.n_owned), p.x, which)
+            walls = sight.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius, False)
             starts = np.append(walls.indptr[which], walls.indptr[-1])    # lists of others are empty
-            self._seen = solids.replaced(*self._seen, which, starts, walls.indices)
+            self._seen = sight.replaced(*self._seen, which, starts, walls.indices)
             self._looked[which] = True
 
     def mean_of_nodes(self, values: Floats) -> Floats:

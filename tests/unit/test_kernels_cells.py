@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.kernels.cells import _ordered, far_from, neighbour_lists
+from parisph.kernels.cells import _ordered, far_from, nearby, neighbour_lists
 from tests.pools import dims
 
 
@@ -149,3 +149,14 @@ def test_lists_that_are_not_mutual_are_left_as_they_are():
     for start, listed_ones in (([0, 1, 1], [1]), ([0, 2, 3, 3], [2, 1, 0])):
         indptr, indices = np.array(start, np.int32), np.array(listed_ones, np.int32)
         np.testing.assert_array_equal(_ordered(indptr, indices), indices)
+
+
+@dims
+def test_nearby_finds_all_others_within_the_radius(dim):
+    rng = np.random.default_rng(0)
+    x, others = rng.random((200, dim)) * 1.4 - 0.2, rng.random((150, dim))
+    indptr, indices = nearby(x, others, 0.17)
+    near = np.linalg.norm(x[:, None] - others, axis=2) < 0.17
+    for i in range(len(x)):
+        assert sorted(indices[indptr[i] : indptr[i + 1]]) == np.flatnonzero(near[i]).tolist()
+    assert nearby(x, others[:0], 0.1)[0].tolist() == [0] * 201

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import WALL
-from parisph.kernels import collisions, solids
+from parisph.kernels import collisions, nearest_walls
 from tests.pools import block, dims, free, part, tank
 
 
@@ -29,7 +29,7 @@ def couple(dim, seed):
 
 def guarded(pool, u, distance=0.5, dt=0.01):
     u = u.copy()
-    slowed = solids.guard(u, pool.cloud, pool.walls_with(u, ~pool.fluid), distance * pool.spacing, dt)
+    slowed = nearest_walls.guard(u, pool.cloud, pool.walls_with(u, ~pool.fluid), distance * pool.spacing, dt)
     return u, slowed
 
 
@@ -237,7 +237,7 @@ def test_displacements_keep_off_walls(dim):
     pool = crowded(dim)
     move = np.random.default_rng(4).normal(scale=0.6 * pool.spacing, size=pool.x.shape)
     before = move.copy()
-    solids.keep_off(move, pool.cloud, pool.walls, 0.5 * pool.spacing)
+    nearest_walls.keep_off(move, pool.cloud, pool.walls, 0.5 * pool.spacing)
     assert rooms(pool, pool.x + move)[pool.fluid].min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
     np.testing.assert_array_equal(move[~pool.fluid], before[~pool.fluid])
     unhurt = pool.fluid & (rooms(pool, pool.x + before) > 0.5 * pool.spacing * (1.0 + 1e-9))

@@ -6,7 +6,18 @@ Lists are longer than the stencils while their skin lasts, and their order diffe
 import numpy as np
 import pytest
 
-from parisph.kernels import collisions, gradient, laplacian, pairs, rankine, shifting, solids, strain, surface, walls
+from parisph.kernels import (
+    collisions,
+    gradient,
+    laplacian,
+    nearest_walls,
+    pairs,
+    rankine,
+    shifting,
+    strain,
+    surface,
+    walls,
+)
 from parisph.kernels.circle import Circle
 from parisph.kernels.near import Form
 from tests.pools import Rows, dims, nowhere, tank
@@ -84,7 +95,7 @@ def parted(pool):
 
 def guarded(pool):
     u = 4.0 * U[: pool.n, : pool.dim] * pool.fluid[:, None]
-    solids.guard(u, pool.cloud, pool.walls, 0.5 * S, 0.01)
+    nearest_walls.guard(u, pool.cloud, pool.walls, 0.5 * S, 0.01)
     return u
 
 

@@ -13,8 +13,8 @@ from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import balance, rankine, walls
 from parisph.kernels.circle import Circle
+from parisph.kernels.nearest_walls import keep_off
 from parisph.kernels.records import DivergenceRows, Rows
-from parisph.kernels.solids import keep_off
 from parisph.methods import lengths
 from tests.wall_scenes import filled
 
