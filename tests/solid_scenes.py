@@ -37,14 +37,14 @@ def still(name, preset, spacing=0.1, **numerics):
 
 
 def level(name, x, normal):
-    """Return the level [m] of the water at x (n, 2) [m], with the normals (n, 2) of wall particles there."""
+    """Return the level [m] of the water at x (n, dim) [m], with the normals (n, dim) of wall particles there."""
     return np.where((name == "plate") & (x[:, 0] + 1e-3 * normal[:, 0] > 1.0), 0.5, 1.0)
 
 
 def errors_at_rest(case, name, steps):
     """Return of each step the greatest speed over sqrt(g d) and pressure error over rho g d, (steps,) each.
 
-    case : of `still`, or of a tank, d = 1 m
+    case : of `still`, or of other water with the level 1 m
     """
     s = Simulation(case, MPI.COMM_SELF)
     p, speed, error = s.particles, np.empty(steps), np.empty(steps)
@@ -52,7 +52,7 @@ def errors_at_rest(case, name, steps):
         s.advance()
         speed[n] = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max() / np.sqrt(G)
         used = np.isin(p.role, (INNER, SURFACE, WET))
-        due = DENSITY * G * np.maximum(level(name, p.x, p.normal) - p.x[:, 1], 0.0)
+        due = DENSITY * G * np.maximum(level(name, p.x, p.normal) - p.x[:, -1], 0.0)
         error[n] = np.abs(p.p - due)[used].max() / (DENSITY * G)
     assert (p.role == WET).any()
     s.destroy()
