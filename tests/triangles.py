@@ -32,6 +32,17 @@ def sphere(halvings, radius, at=(0.0, 0.0, 0.0)):
     return found * radius + at
 
 
+def prism(outline, low, high):
+    """Return the triangles [m] of an upright prism from z = low to high over a convex outline (n, 2), counterclockwise,
+    normals outward."""
+    bottom, top = (np.column_stack([outline, np.full(len(outline), z)]) for z in (low, high))
+    after = np.roll(np.arange(len(outline)), -1)
+    sides = [(bottom, bottom[after], top[after]), (bottom, top[after], top)]
+    ends = [(np.broadcast_to(z.mean(axis=0), z.shape), *(way)) for z, way in (
+        (bottom, (bottom[after], bottom)), (top, (top, top[after])))]
+    return np.concatenate([np.stack(part, axis=1) for part in (*sides, *ends)])
+
+
 def sheet(height, lower, upper, pieces):
     """Return the triangles [m] of a surface z = height(x, y) over a rectangle, pieces (nx, ny), normals upward."""
     x, y = (np.linspace(a, b, n + 1) for a, b, n in zip(lower, upper, pieces))

@@ -19,8 +19,8 @@ environment.prepare()
 from tests.validation import record  # noqa: E402
 
 PARTS = {name: import_module(f"tests.validation.{name}") for name in (
-    "rest", "rest_of_methods", "rest_at_walls", "waves", "motion", "dam_break", "measured", "ranks", "cold_start",
-    "cavity")}
+    "rest", "rest_of_methods", "rest_at_walls", "rest_in_3d", "waves", "waves_in_3d", "drops_in_3d", "motion",
+    "dam_break", "measured", "ranks", "cold_start", "cavity")}
 
 
 def main():
