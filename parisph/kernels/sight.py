@@ -15,6 +15,7 @@ from parisph.kernels.records import Cloud, Shapes, Walls
 LIFT = 0.1       # tuned 0.05 to 0.2: spacings in front of its wall from which a node sees; judged
 PLANES = 16      # largest number of planes near a particle that are told apart
 ROUNDING = 1e-6  # uncertainty of the distance to a plane, over the lift
+INSET = 1e-3     # in 3D, part of the way from an element's nearest point to its centroid at which it is looked at
 
 Lists = tuple[np.ndarray, np.ndarray]    # CSR: indptr (n + 1,) int32, indices (nnz,) int32
 
@@ -117,14 +118,17 @@ def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: 
     """Write the visible elements within the radius [m] of owned particles; return their number.
 
     The centroid or the nearest point, lifted off, must be visible: a moving wall hides the part of an element that it
-    covers. Elements in front of which the particle is not are kept, so that fluid cannot pass them.
+    covers. In 3D the nearest point is moved a little inside: it may be on the edge of a body, where a line to it would
+    end in another element, and rounding would decide. Elements in front of which the particle is not are kept, so that
+    fluid cannot pass them.
 
     indptr, indices : outputs, with room for the lists of walls and the known ones
     known : lists of wall particles, without rows if they are not known
     """
     axes, lift, shapes = cloud.axes, LIFT * cloud.spacing, walls.shapes
     p, q, foot, sight = np.empty(len(axes)), np.empty(len(axes)), np.empty(len(axes)), _sight(walls.indptr)
-    left = indptr[0] = 0
+    left, inset = 0, INSET if len(axes) == 3 else 0.0
+    indptr[0] = 0
     for i in range(len(indptr) - 1):
         if cloud.kind[i] == WALL and len(known[0]) > 0:
             for k in range(known[0][i], known[0][i + 1]):
@@ -142,7 +146,7 @@ def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: 
                     if not free:
                         nearest_point(foot, p, e, walls.corners, axes)
                         for a in range(len(axes)):
-                            q[a] = foot[a] + lift * shapes.plane[e, a]
+                            q[a] = foot[a] + inset * (shapes.middle[e, a] - foot[a]) + lift * shapes.plane[e, a]
                         free = (_above(p, e, shapes, axes) <= 0.0
                                 or _is_free(p, q, sight, planes, (i, k, axes), walls, lift))
                 indices[left] = e

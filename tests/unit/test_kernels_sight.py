@@ -6,12 +6,14 @@ import pytest
 from parisph import Box, Polygon, Tank
 from parisph.base.fields import WALL
 from parisph.case.bodies import Obstacle, Plate, StillWater
+from parisph.geometry import build
 from parisph.geometry.distance import nearest
 from parisph.kernels import sight
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.elements import plane_numbers, shapes_of
 from parisph.kernels.records import no_walls
 from tests.pools import mesh_of
+from tests.scenes import water
 from tests.wall_scenes import filled, fluid
 
 S = 0.05
@@ -116,3 +118,17 @@ def test_lists_of_some_particles_are_replaced():
     found = sight.replaced(indptr, indices, np.array([0, 1]), np.array([0, 1, 3], np.int32),
                            np.array([8, 9, 1], np.int32))
     assert [list(one) for one in found] == [[0, 1, 3, 6], [8, 9, 1, 5, 6, 7]]
+
+
+def test_rounding_does_not_change_what_is_seen_beside_a_box():
+    """The nearest points of many elements lie in the box's edges, where lines to them would end in other elements."""
+    lower, size = np.array([0.4, 0.2, 0.0]), np.array([0.2, 0.3, 0.2])
+    box = Obstacle(Box(0.2, 0.2, breadth=0.3, at=tuple(lower)))
+    corners = build.scene_mesh(water((1.4, 0.4), (Tank(1.4, 0.6, breadth=0.7), box), 2.0 * S)).corners()
+    x = np.random.default_rng(4).random((6000, 3)) * [0.6, 0.7, 0.4] + [0.2, 0.0, 0.0]
+    x = x[((x < lower) | (x > lower + size)).any(axis=1)]
+    due = fluid(x, corners, 2.0 * S)[1]
+    for way in np.concatenate([np.eye(3), -np.eye(3)]):
+        found = fluid(x * (1.0 + 2.3e-16 * way), corners, 2.0 * S)[1]
+        np.testing.assert_array_equal(found.indptr, due.indptr)
+        np.testing.assert_array_equal(found.indices, due.indices)
