@@ -13,7 +13,7 @@ from parisph.methods import lengths
 from parisph.methods.flow import Flow
 
 AT_WALL = 1.5    # tuned 1.3 to 1.9: spacings from a node within which fluid may have more than its cell; judged
-TIE = 1e-3    # spacings by which nodes are moved, so that none is equally near to two lattice particles
+TIE = 1e-3    # spacings by which nodes, and places in 3D, are moved, so that none is equally near to two particles
 
 
 def pack(flow: Flow, steps: int = packing.STEPS) -> None:
@@ -39,6 +39,9 @@ def weigh(flow: Flow, samples: Iterable[tuple[Floats, Floats]]) -> float:
     p = flow.particles
     fluid = np.flatnonzero(p.kind_all == FLUID)
     own = fluid[fluid < p.n_owned]
+    if p.dim == 3:    # in scenes with two equal halves, rounding would give places in the middle to one of them
+        tie = TIE * flow.spacing * np.arange(1.0, p.dim + 1.0)
+        samples = ((places + tie, volume) for places, volume in samples)
     p.volume[own] = packing.volumes(p.x_all[fluid], samples, flow.spacing)[:len(own)]
     flow.domain.update("volume")
     return float(p.comm.allreduce(p.volume[own].sum(), op=MPI.SUM))

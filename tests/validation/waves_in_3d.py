@@ -73,7 +73,7 @@ def _slab(bench, cells):
 def _oblique(bench, cells):
     """Rows of mode (1, 1) against linear theory."""
     found = []
-    for jitter in (0.0, 0.4):
+    for jitter in (0.0, 0.4) if cells == DEPTHS[0] else (0.0,):
         wave = _mode(tank_case((1, 1), cells, BREADTH, jitter), (1, 1))
         what = f"mode (1, 1), jitter {jitter:g}, d/s = {cells}, {PERIODS:g} periods"
         found += [Row(f"{what}: error of the frequency", abs(wave.omega / _exact((1, 1)) - 1.0), 0.003),
