@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.fields import FLUID
 from parisph.case.waves import ellipsoid_half_axes
 from tests.scenes import free, sampled, scene, simulated
-from tests.validation.record import Row
+from tests.validation.record import Row, said
 
 SPACING = 0.1      # over R
 SETTLED = 0.02     # [s]: the pressure of the start is not that of a step
@@ -22,10 +22,10 @@ def rows(bench):
         for jitter in (0.0, 0.4):
             axes, energy, pressure = _errors(stiffness, rates, end, jitter)
             what = f"drop in 3D, {name}, jitter {jitter:g}, until {end:g} s"
-            found += [*(Row(f"{what}: error of half axis {axis}", worst, 0.015) for axis, worst in zip("abc", axes)),
-                      Row(f"{what}: change of the energy", energy, 0.015),
-                      Row(f"{what}: error of the pressure in the centre", pressure, 0.1)]
-            print(f"  {what}: done", flush=True)
+            found += said([
+                *(Row(f"{what}: error of half axis {axis}", worst, 0.015) for axis, worst in zip("abc", axes)),
+                Row(f"{what}: change of the energy", energy, 0.015),
+                Row(f"{what}: error of the pressure in the centre", pressure, 0.1)])
     return found
 
 

@@ -63,6 +63,14 @@ def _line(row):
             f"| {verdict(row.met, row.reached)} | {cost} |")
 
 
+def said(rows):
+    """Print rows as they are found, and return them: a part takes long, and may be ended before its table."""
+    rows = list(rows)
+    for row in rows:
+        print(f"  {row.what}: {spread(row.starts or (row.value,))} {verdict(row.met, row.reached)}", flush=True)
+    return rows
+
+
 def save(rows, path):
     """Write the rows as JSON."""
     write_json(Path(path), {"rows": [{**asdict(row), "met": row.met, "reached": row.reached} for row in rows]})

@@ -25,7 +25,7 @@ from tests.lasting.harmonics import by_period
 from tests.launch import ROOT
 from tests.scenes import free, sampled, simulated
 from tests.triangles import prism, write_stl
-from tests.validation.record import Row
+from tests.validation.record import Row, said
 
 G, DENSITY = 9.81, 1000.0
 LENGTH, BREADTH, DEPTH, RADIUS = 1.0, 0.8, 0.5, 0.5    # of the tanks and of the round one [m]
@@ -48,13 +48,11 @@ class Wave(NamedTuple):
 
 def rows(bench):
     """Return the errors of frequencies, amplitudes and elevations, and the growth of energy, as required."""
-    found = []
+    found = said(_lasting())
     for cells in DEPTHS:
-        for part in (_slab, _oblique, _round):
-            found += part(bench, cells)
-            print(f"  {part.__name__.lstrip('_')}, d/s = {cells}: done", flush=True)
-        found += _sway(bench, cells)
-    return found + _lasting()
+        for part in (_slab, _round, _oblique, _sway):
+            found += said(part(bench, cells))
+    return found
 
 
 # -- modes of a tank ------------------------------------------------------------------------
