@@ -51,8 +51,10 @@ def errors_at_rest(case, name, steps):
     for n in range(steps):
         s.advance()
         speed[n] = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max() / np.sqrt(G)
-        used = np.isin(p.role, (INNER, SURFACE, WET))
-        due = DENSITY * G * np.maximum(level(name, p.x, p.normal) - p.x[:, -1], 0.0)
+        depth = level(name, p.x, p.normal) - p.x[:, -1]
+        # beside walls meshed anew a node just above the level may be wet: its pressure goes on as below
+        used = np.isin(p.role, (INNER, SURFACE)) | ((p.role == WET) & (depth > -1e-9))
+        due = DENSITY * G * np.maximum(depth, 0.0)
         error[n] = np.abs(p.p - due)[used].max() / (DENSITY * G)
     assert (p.role == WET).any()
     s.destroy()
