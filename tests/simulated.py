@@ -33,9 +33,10 @@ def check_cloud(comm, dim, kind="lattice", n=4000):
         domain.destroy()
 
 
-def check_run(comm, steps=3):
+def check_run(comm, dim=2, steps=3):
     """Check the plan of a dam break by the work of particles; return updates of ghosts in a step."""
-    s = Simulation(scene("dam_break", spacing=0.05, jitter=0.2), comm)
+    name, spacing = {2: ("dam_break", 0.05), 3: ("dam_break_3d", 0.1)}[dim]
+    s = Simulation(scene(name, spacing=spacing, jitter=0.2), comm)
     try:
         s.solve_start()
         before = s.domain.n_updates

@@ -12,5 +12,6 @@ def test_ranks_have_the_particles_neighbours_and_ghosts_of_the_simulation(comm, 
     check_cloud(comm, dim, kind)
 
 
-def test_a_run_has_the_counts_of_the_simulation_and_as_many_messages_as_one_rank_tells(comm):
-    assert check_run(comm) == check_run(MPI.COMM_SELF)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_run_has_the_counts_of_the_simulation_and_as_many_messages_as_one_rank_tells(comm, dim):
+    assert check_run(comm, dim) == check_run(MPI.COMM_SELF, dim)

@@ -62,10 +62,11 @@ Interpolation Matrix Information:
     assert multigrid.levels_in(text) == [{"rows": 10648, "entries": 322292}, {"rows": 188, "entries": 4076}]
 
 
-def test_a_cycle_sends_on_four_ranks_what_the_model_makes_of_two():
-    measured = model.Measured.read(model.MEASURED)
-    four = next(one for one in json.loads((model.MEASURED / "messages.json").read_text()) if one["ranks"] == 4)
-    mean = line(Column(2, four["particles"]), 4)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_cycle_sends_on_four_ranks_what_the_model_makes_of_two(dim):
+    measured = model.Measured.read(model.MEASURED)[dim]
+    four = next(one for one in json.loads((model.MEASURED / f"messages_{dim}d.json").read_text()) if one["ranks"] == 4)
+    mean = line(Column(dim, four["particles"]), 4)
     mean["matrix_to_max"] = mean["matrix_to_mean"]
     network = model.Network(1.0, np.inf)    # its time is the number of messages
     assert model._cycle(measured, network, mean) == pytest.approx(four["counts"]["cycle"][0], rel=0.1)
@@ -73,9 +74,10 @@ def test_a_cycle_sends_on_four_ranks_what_the_model_makes_of_two():
     assert four["counts"]["step/updates"][0] == updates * four["neighbours"]
 
 
-def test_the_model_is_perfect_without_a_network_and_worse_with_a_slow_one():
-    measured = model.Measured.read(model.MEASURED)
-    lines = [line(Column(2, 20000), ranks) for ranks in (1, 4)]
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_model_is_perfect_without_a_network_and_worse_with_a_slow_one(dim):
+    measured = model.Measured.read(model.MEASURED)[dim]
+    lines = [line(Column(dim, 20000), ranks) for ranks in (1, 4)]
     fast, slow = (model.table(measured, model.Network(latency, 1e12), lines)[-1] for latency in (0.0, 1e-3))
     parts = [fast[name] for name in model.PARTS]
     assert sum(parts) == pytest.approx(fast["ms"]) and max(parts[3:]) < 1e-3

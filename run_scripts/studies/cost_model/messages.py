@@ -1,9 +1,9 @@
 """What a step asks of MPI on a few ranks: sends, bytes and collectives of each phase, and of the parts of the solver.
 
-    python run_scripts/studies/cost_model/messages.py --ranks 2 4 -o messages.json
+    python run_scripts/studies/cost_model/messages.py --dim 2 --ranks 2 4 -o messages_2d.json
+    python run_scripts/studies/cost_model/messages.py --dim 3 --ranks 2 4 --column 16 -o messages_3d.json
 
-It counts all calls of parisph, PETSc and hypre, with count_mpi.c in front of the MPI library; it needs a C
-compiler.
+It counts all calls of parisph, PETSc and hypre, with count_mpi.c in front of the MPI library; it needs a C compiler.
 Counts do not depend on the machine's speed, so the ranks may be more than the cores. On two ranks each exchange is one
 send of each rank: the sends are the rounds of exchanges, which more ranks have as well.
 """
@@ -21,6 +21,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
+
+from run_scripts.studies.cost_model import multigrid  # noqa: E402
 
 SOURCE = Path(__file__).with_name("count_mpi.c")
 WARM, STEPS = 10, 20
@@ -49,11 +51,11 @@ class Counter:
         self.found[name] = [a + b - c for a, b, c in zip(total, self.now(), before)]
 
 
-def count(column: int) -> None:
+def count(dim: int, column: int) -> None:
     """Count in a dam break on the ranks of this process's world; print the mean of the ranks as JSON."""
     from mpi4py import MPI
 
-    from parisph import Simulation, load
+    from parisph import Simulation
     from parisph.base.log import Timers
     from parisph.parallel.halo import Halo
 
@@ -68,8 +70,7 @@ def count(column: int) -> None:
         with counter.of(phase), timed(self, phase):
             yield
 
-    case = load(ROOT / "cases" / "dam_break.py", {"spacing": 0.5 / column, "jitter": 0.2, "snapshot_every": 10})
-    s = Simulation(case, MPI.COMM_WORLD, ["-pressure_pc_type", "hypre"])
+    s = Simulation(multigrid.dam_break(dim, column, snapshot_every=10), MPI.COMM_WORLD, ["-pressure_pc_type", "hypre"])
     for _ in range(WARM):
         s.advance()
     Timers.__call__, Halo.update = counted, updated
@@ -94,7 +95,7 @@ def count(column: int) -> None:
         names = list(mine)
         mean = {name: [sum(one[0].get(name, [0] * 3)[k] for one in everyone) / s.comm.size for k in range(3)]
                 for name in names}
-        print(json.dumps({"ranks": s.comm.size, "particles": s.particles.n_global, "iterations": iterations / STEPS,
+        print(json.dumps({"dim": dim, "ranks": s.comm.size, "particles": s.particles.n_global, "iterations": iterations / STEPS,
                           "built": built / STEPS, "neighbours": sum(one[1] for one in everyone) / s.comm.size,
                           "ghosts": sum(one[2] for one in everyone) / s.comm.size, **solver, "counts": mean}))
     s.destroy()
@@ -146,25 +147,28 @@ def built(folder: Path) -> Path:
 def main() -> None:
     """Run on each number of ranks and print what was counted."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--dim", type=int, choices=(2, 3), default=2)
     parser.add_argument("--ranks", type=int, nargs="+", default=[2, 4])
     parser.add_argument("--column", type=int, default=64, help="particles in the width of the column")
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--count", action="store_true", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.count:
-        count(args.column)
+        count(args.dim, args.column)
         return
     with tempfile.TemporaryDirectory() as folder:
         library = built(Path(folder))
-        lines = [json.loads(_on_ranks(ranks, args.column, library).splitlines()[-1]) for ranks in args.ranks]
+        lines = [json.loads(_on_ranks(ranks, args, library).splitlines()[-1]) for ranks in args.ranks]
+    levels = multigrid.measured(["--measure", "--dim", str(args.dim), "--scene", str(args.column)])["levels"]
     for line in lines:
+        line["levels"] = len(levels)
         print(json.dumps(line, indent=1))
     if args.output:
         args.output.write_text(json.dumps(lines, indent=1) + "\n", encoding="utf-8")
 
 
-def _on_ranks(ranks, column, library):
-    own = [sys.executable, __file__, "--count", "--column", str(column)]
+def _on_ranks(ranks, args, library):
+    own = [sys.executable, __file__, "--count", "--dim", str(args.dim), "--column", str(args.column)]
     surroundings = {**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
                     "OMP_NUM_THREADS": "1"}
     done = subprocess.run(["mpirun", "-n", str(ranks), "env", f"LD_PRELOAD={library}", *own], env=surroundings,

@@ -3,8 +3,8 @@
     python run_scripts/studies/cost_model/model.py -o studies/cost_model
     python run_scripts/studies/cost_model/model.py --latency 3 --bandwidth 1 -o studies/cost_model
 
-Reads measured/: partitions.csv (partitions.py), phases.json (phases.py), messages.json (messages.py), multigrid_2d.json
-and multigrid_3d.json (multigrid.py). The assumptions are in the README of the studies.
+Reads measured/: partitions.csv (partitions.py), and in 2D and 3D phases_2d.json (phases.py), messages_2d.json
+(messages.py) and multigrid_2d.json (multigrid.py). The assumptions are in the README of the studies.
 """
 
 import argparse
@@ -46,34 +46,31 @@ class Network:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured on one and two ranks; see README.
+    """What was measured on one and two ranks, of one dimension; see README.
 
-    phases, messages, grids : contents of the files; grids by dimension
+    phases, messages, grids : contents of the files, messages on two ranks
     """
 
     phases: dict
     messages: dict
-    grids: dict[int, list[dict]]
+    grids: list[dict]
 
     @classmethod
-    def read(cls, folder: Path) -> "Measured":
-        """Read the files of a folder."""
-        phases, messages, *grids = (json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
-                                    for name in ("phases", "messages", "multigrid_2d", "multigrid_3d"))
-        return cls(phases, next(one for one in messages if one["ranks"] == 2), dict(zip((2, 3), grids)))
+    def read(cls, folder: Path) -> "dict[int, Measured]":
+        """Read the files of a folder; return what was measured by dimension."""
+        def contents(name, dim):
+            return json.loads((folder / f"{name}_{dim}d.json").read_text(encoding="utf-8"))
+
+        return {dim: cls(contents("phases", dim), next(one for one in contents("messages", dim) if one["ranks"] == 2),
+                         contents("multigrid", dim)) for dim in (2, 3)}
 
     def counts(self, name: str) -> list[float]:
         """Return sends, bytes and collectives on two ranks: rounds of exchanges of one neighbour."""
         return self.messages["counts"][name]
 
-    def dearer(self, dim: int) -> float:
-        """Return the cost of a particle over that in 2D: entries of a row of the lattice."""
-        rows = [self.grids[k][-1]["entries"] / self.grids[k][-1]["unknowns"] for k in (dim, 2)]
-        return rows[0] / rows[1]
-
-    def levels(self, dim: int, unknowns: float) -> list[tuple[float, float]]:
+    def levels(self, unknowns: float) -> list[tuple[float, float]]:
         """Return (rows, entries of a row) of all levels: shares of rows as in the largest measured grid, then fewer."""
-        grid = self.grids[dim][-1]
+        grid = self.grids[-1]
         found = [(unknowns * level["rows"] / grid["unknowns"], level["entries"] / level["rows"])
                  for level in grid["levels"]]
         shrinks = found[-3][0] / found[-2][0]
@@ -85,16 +82,16 @@ class Measured:
 
 def step(measured: Measured, network: Network, line: dict[str, float]) -> dict[str, float]:
     """Return the times [s] of the parts of a step, by PARTS, on the ranks of a line of partitions.csv."""
-    m, ranks, dim = measured.phases, int(line["ranks"]), int(line["dim"])
+    m, ranks = measured.phases, int(line["ranks"])
     together = network.together(ranks)
     # lists and sorting also look at ghosts
     particles = sum(us * (line["owned_max"] + (line["halo_received_max"] if phase == "redistribute" else 0.0))
                     for phase, us in m["us"].items())
-    found = {"particles": 1e-6 * measured.dearer(dim) * particles, "Python": 1e-3 * m["overhead_ms"]}
+    found = {"particles": 1e-6 * particles, "Python": 1e-3 * m["overhead_ms"]}
     if ranks == 1:
         return {**dict.fromkeys(PARTS, 0.0), **found}
     counted, size, _ = measured.counts("step/updates")
-    size *= m["updates"] / counted * line["halo_received_max"] / measured.messages["ghosts"] * (dim / 2.0)
+    size *= m["updates"] / counted * line["halo_received_max"] / measured.messages["ghosts"]
     found["ghosts"] = network.exchange(m["updates"] * line["halo_to_max"], size)
     # particles that change rank: every plan sends the ghosts anew and asks everyone
     plan = measured.counts("plan")
@@ -131,17 +128,12 @@ def _neighbours(line, rows, row):
 
 def _rounds(measured, name):
     """Rounds of exchanges of a level, but for the coarsest."""
-    return measured.counts(name)[0] / (len(_small(measured)["levels"]) - 1)
-
-
-def _small(measured):
-    """The measured grid that is nearest to the scene of messages.json."""
-    return min(measured.grids[2], key=lambda grid: abs(grid["unknowns"] - measured.messages["particles"]))
+    return measured.counts(name)[0] / (measured.messages["levels"] - 1)
 
 
 def _on_levels(measured, network, line, name):
     """Time of the exchanges of a cycle or a set-up on all levels; bytes go with those of a product."""
-    levels = measured.levels(int(line["dim"]), line["particles"])
+    levels = measured.levels(line["particles"])
     rounds = _rounds(measured, name)
     time = sum(rounds * _neighbours(line, *level) * network.latency for level in levels[:-1])
     size = measured.counts(name)[1] / measured.counts("product")[1] * DOUBLE * line["matrix_received_max"]
@@ -153,8 +145,8 @@ def _cycle(measured, network, line):
 
 
 def _set_up(measured, network, line):
-    levels = measured.levels(int(line["dim"]), line["particles"])
-    sums = measured.counts("set-up")[2] / (len(_small(measured)["levels"]) - 1) * (len(levels) - 1)
+    levels = measured.levels(line["particles"])
+    sums = measured.counts("set-up")[2] / (measured.messages["levels"] - 1) * (len(levels) - 1)
     return _on_levels(measured, network, line, "set-up") + sums * network.together(int(line["ranks"]))
 
 
@@ -228,7 +220,7 @@ def main() -> None:
     args = parser.parse_args()
     measured = Measured.read(args.measured)
     network = Network(1e-6 * args.latency, 1e9 * args.bandwidth)
-    tables = {scene: table(measured, network, lines)
+    tables = {scene: table(measured[scene[0]], network, lines)
               for scene, lines in sorted(scenes(args.measured / "partitions.csv").items())}
     parts = [f"Latency {args.latency:g} us, {args.bandwidth:g} GB/s. Parts of a step in ms."]
     for (dim, particles), lines in tables.items():

@@ -1,12 +1,11 @@
 """Levels, entries and cost of the multigrid on one rank, by hypre's own figures, against the number of unknowns.
 
     python run_scripts/studies/cost_model/multigrid.py --dim 2 --unknowns 1e4 1e5 1e6 -o multigrid_2d.json
-    python run_scripts/studies/cost_model/multigrid.py --scene 224 -o multigrid_scene.json
+    python run_scripts/studies/cost_model/multigrid.py --dim 3 --scene 16 35 -o multigrid_scene.json
 
 The matrix is that of a Laplacian with weights 1/r^2 on neighbours within 2.1 spacings of a jittered lattice, with p = 0
-above its uppermost layer: the pressure equation without walls, also in 3D. --scene takes the first matrix of the dam
-break instead, with so many particles in the width of the column. Solver and options are those of a run. Seconds are
-CPU time.
+above its uppermost layer: the pressure equation without walls. --scene takes the first matrix of the dam break instead,
+with so many particles in the width of the column. Solver and options are those of a run. Seconds are CPU time.
 """
 
 import argparse
@@ -24,6 +23,14 @@ sys.path.insert(0, str(ROOT))
 
 HYPRE = ["-pressure_pc_type", "hypre", "-pressure_pc_hypre_boomeramg_print_statistics", "1"]
 REACH, JITTER = 2.1, 0.2    # spacings
+SCENES = {2: "dam_break.py", 3: "dam_break_3d.py"}
+
+
+def dam_break(dim: int, column: int, **settings: float):
+    """Return the Case of the dam break in 2D or 3D, with so many particles in the width of its column."""
+    from parisph import load
+
+    return load(ROOT / "cases" / SCENES[dim], {"spacing": 0.5 / column, "jitter": JITTER, **settings})
 
 
 def lattice_matrix(dim: int, unknowns: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -65,14 +72,13 @@ def solve_lattice(dim: int, unknowns: float) -> None:
                              "us_setup": 1e6 * (first - second * many / few) / n, "setup_wall": set_up}))
 
 
-def solve_scene(column: int) -> None:
+def solve_scene(dim: int, column: int) -> None:
     """Compute the pressure at the start of the dam break; print the numbers of unknowns as JSON."""
     from mpi4py import MPI
 
-    from parisph import Simulation, load
+    from parisph import Simulation
 
-    case = load(ROOT / "cases" / "dam_break.py", {"spacing": 0.5 / column, "jitter": 0.2})
-    s = Simulation(case, MPI.COMM_SELF, HYPRE)
+    s = Simulation(dam_break(dim, column), MPI.COMM_SELF, HYPRE)
     s.solve_start()
     print("\n" + json.dumps({"unknowns": s.particles.n_global}))
 
@@ -106,13 +112,12 @@ def main() -> None:
     parser.add_argument("--measure", action="store_true", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.measure:
-        solve_scene(args.scene[0]) if args.scene else solve_lattice(args.dim, args.unknowns[0])
+        solve_scene(args.dim, args.scene[0]) if args.scene else solve_lattice(args.dim, args.unknowns[0])
         return
-    runs = ([["--scene", str(column)] for column in args.scene] if args.scene
-            else [["--dim", str(args.dim), "--unknowns", str(n)] for n in args.unknowns])
+    option, values = ("--scene", args.scene) if args.scene else ("--unknowns", args.unknowns)
     found = []
-    for words in runs:
-        found.append(measured(["--measure", *words]))
+    for value in values:
+        found.append(measured(["--measure", "--dim", str(args.dim), option, str(value)]))
         print(json.dumps(found[-1]), flush=True)
     if args.output:
         args.output.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
