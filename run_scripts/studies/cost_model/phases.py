@@ -1,12 +1,11 @@
 """What a step costs on one rank, by phase, from two runs that differ in their particles.
 
-    parisph run cases/dam_break.py --set spacing=1/160 jitter=0.2 time_step=0.002 end_time=2 \\
-        -o large -- -pressure_pc_type hypre
-    parisph run cases/dam_break.py --set spacing=1/20 jitter=0.2 end_time=3 -o small
-    python run_scripts/studies/cost_model/phases.py large small -o phases.json
+    parisph run cases/dam_break_3d.py --set spacing=1/30 jitter=0.2 end_time=2 -o large -- -pressure_pc_type hypre
+    parisph run cases/dam_break_3d.py --set spacing=1/10 jitter=0.2 end_time=2 -o small
+    python run_scripts/studies/cost_model/phases.py large small -o phases_3d.json
 
-CPU time, of all steps: before, during and after the impact. The large run gives the cost of a particle, the small one
-what a step costs beside that.
+CPU time, of all steps: before, during and after the impact. The large run gives the cost of a particle of the fluid
+together with the walls, of which many are dry, and the small one what a step costs beside that.
 """
 
 import argparse
@@ -32,12 +31,12 @@ def main() -> None:
     args = parser.parse_args()
     run, small = open_run(args.large), open_run(args.small).summary
     summary, steps = run.summary, run.steps
-    scale = 1e6 / (summary["steps"] * summary["particles"])
+    scale = 1e6 / (summary["steps"] * summary["fluid_particles"])
     us = {phase: scale * summary["cpu_phases"][phase] for phase in PHASES}
     found = {
-        "particles": summary["particles"], "steps": summary["steps"], "us": us, "us_all": sum(us.values()),
-        "overhead_ms": step_cpu_ms(small) - 1e-3 * sum(us.values()) * small["particles"],
-        "small": small["particles"],
+        "fluid": summary["fluid_particles"], "walls": summary["wall_particles"], "steps": summary["steps"], "us": us, "us_all": sum(us.values()),
+        "overhead_ms": step_cpu_ms(small) - 1e-3 * sum(us.values()) * small["fluid_particles"],
+        "small": small["fluid_particles"],
         "iterations": float(np.median(steps["iterations"])),
         "position_iterations": float(np.median(steps["position_iterations"])),
         "built": float(np.mean(steps["rebuilt"] == "True")), "updates": shares("updates")(summary),
