@@ -78,7 +78,9 @@ def test_a_cycle_sends_on_four_ranks_what_the_model_makes_of_two(dim):
 def test_the_model_is_perfect_without_a_network_and_worse_with_a_slow_one(dim):
     measured = model.Measured.read(model.MEASURED)[dim]
     lines = [line(Column(dim, 20000), ranks) for ranks in (1, 4)]
-    fast, slow = (model.table(measured, model.Network(latency, np.inf), lines)[-1] for latency in (0.0, 1e-2))
+    (alone, fast), (_, slow) = (model.table(measured, model.Network(latency, np.inf), lines) for latency in (0.0, 1e-2))
+    assert alone["ms"] == pytest.approx(
+        1e-3 * measured.phases["us_all"] * lines[0]["particles"] + measured.phases["overhead_ms"])
     parts = [fast[name] for name in model.PARTS]
     assert sum(parts) == pytest.approx(fast["ms"]) and max(parts[3:]) < 1e-3
     assert slow["efficiency"] < 0.1 * fast["efficiency"] < 0.1

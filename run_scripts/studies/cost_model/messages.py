@@ -95,8 +95,9 @@ def count(dim: int, column: int) -> None:
         names = list(mine)
         mean = {name: [sum(one[0].get(name, [0] * 3)[k] for one in everyone) / s.comm.size for k in range(3)]
                 for name in names}
-        print(json.dumps({"dim": dim, "ranks": s.comm.size, "particles": s.particles.n_global, "iterations": iterations / STEPS,
-                          "built": built / STEPS, "neighbours": sum(one[1] for one in everyone) / s.comm.size,
+        print(json.dumps({"dim": dim, "ranks": s.comm.size, "particles": s.particles.n_global,
+                          "iterations": iterations / STEPS, "built": built / STEPS,
+                          "neighbours": sum(one[1] for one in everyone) / s.comm.size,
                           "ghosts": sum(one[2] for one in everyone) / s.comm.size, **solver, "counts": mean}))
     s.destroy()
 

@@ -46,9 +46,9 @@ class Network:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured on one and two ranks, of one dimension; see README.
+    """What was measured in 2D or in 3D; see README.
 
-    phases, messages, grids : contents of the files, messages on two ranks
+    phases, messages, grids : contents of the files; messages on two ranks
     """
 
     phases: dict
@@ -84,9 +84,7 @@ def step(measured: Measured, network: Network, line: dict[str, float]) -> dict[s
     """Return the times [s] of the parts of a step, by PARTS, on the ranks of a line of partitions.csv."""
     m, ranks = measured.phases, int(line["ranks"])
     together = network.together(ranks)
-    # lists and sorting also look at ghosts
-    particles = sum(us * (line["owned_max"] + (line["halo_received_max"] if phase == "redistribute" else 0.0))
-                    for phase, us in m["us"].items())
+    particles = m["us_all"] * line["owned_max"] + m["lists"] * m["us_ghost"] * line["halo_received_max"]
     found = {"particles": 1e-6 * particles, "Python": 1e-3 * m["overhead_ms"]}
     if ranks == 1:
         return {**dict.fromkeys(PARTS, 0.0), **found}

@@ -5,13 +5,15 @@
     python run_scripts/studies/cost_model/phases.py large small -o phases_3d.json
 
 CPU time, of all steps: before, during and after the impact. The large run gives the cost of a particle of the fluid
-together with the walls, of which many are dry, and the small one what a step costs beside that.
+together with the walls, of which many are dry, and the small one what a step costs beside that. Ghosts have no lists:
+what they add to those of particles is timed on a lattice.
 """
 
 import argparse
 import json
 import sys
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 
@@ -20,6 +22,21 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).res
 from scaling_measures import PHASES, shares, step_cpu_ms  # noqa: E402
 
 from parisph.io.reader import open_run  # noqa: E402
+from parisph.kernels.cells import neighbour_lists  # noqa: E402
+from parisph.methods.lengths import NEAR  # noqa: E402
+
+SIDES = {2: 150, 3: 28}    # particles along a lattice on which ghosts are timed
+
+
+def ghost_us(dim: int) -> float:
+    """Return the CPU time [us] that new lists take for each particle without one: the shortest of some trials."""
+    x = np.stack(np.meshgrid(*[np.arange(SIDES[dim]) + 0.5] * dim, indexing="ij"), -1).reshape(-1, dim)
+    times = []
+    for _ in range(10):
+        start = process_time()
+        neighbour_lists(x, 1, NEAR)
+        times.append(process_time() - start)
+    return 1e6 * min(times[1:]) / len(x)    # the first one may compile
 
 
 def main() -> None:
@@ -34,7 +51,9 @@ def main() -> None:
     scale = 1e6 / (summary["steps"] * summary["fluid_particles"])
     us = {phase: scale * summary["cpu_phases"][phase] for phase in PHASES}
     found = {
-        "fluid": summary["fluid_particles"], "walls": summary["wall_particles"], "steps": summary["steps"], "us": us, "us_all": sum(us.values()),
+        "fluid": summary["fluid_particles"], "walls": summary["wall_particles"], "steps": summary["steps"],
+        "us": us, "us_all": sum(us.values()),
+        "us_ghost": ghost_us(run.scene.dim),
         "overhead_ms": step_cpu_ms(small) - 1e-3 * sum(us.values()) * small["fluid_particles"],
         "small": small["fluid_particles"],
         "iterations": float(np.median(steps["iterations"])),
