@@ -1,6 +1,6 @@
 """What a step costs on one rank, by phase, from two runs that differ in their particles.
 
-    parisph run cases/dam_break_3d.py --set spacing=1/30 jitter=0.2 end_time=2 -o large -- -pressure_pc_type hypre
+    parisph run cases/dam_break_3d.py --set spacing=1/44 jitter=0.2 end_time=1.86 -o large -- -pressure_pc_type hypre
     parisph run cases/dam_break_3d.py --set spacing=1/10 jitter=0.2 end_time=2 -o small
     python run_scripts/studies/cost_model/phases.py large small -o phases_3d.json
 
