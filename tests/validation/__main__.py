@@ -1,6 +1,6 @@
 """The long validation: whole runs, measured against what is asked of them. Not part of the tests.
 
-    python -m tests.validation                      everything: some two hours on two cores
+    python -m tests.validation                      everything: some three hours on two cores
     python -m tests.validation rest waves           some parts
     python -m tests.validation -o runs/validation   keep the runs, and results.json; repeated, it makes only what is
     left

@@ -9,7 +9,22 @@ from tests.validation.record import Row
 
 STEPS, SPEED, PRESSURE = 1_000, 1e-9, 1e-8
 WIDTH, BREADTH, HIGH = 1.4, 1.2, 1.3    # of the tanks [m]; the water is 1 m deep
-SCENES = ("tank", "box on the bed", "slope of 30 degrees", "bed from a file")
+TANK = Tank(WIDTH, HIGH, breadth=BREADTH)
+
+
+def _bed(folder):
+    bed = sheet(lambda x, y: 0.25 + 0.15 * np.sin(3.0 * x) * np.cos(2.0 * y), (0.0, 0.0), (WIDTH, BREADTH), (28, 24))
+    return TANK, Surface(file=str(write_stl(folder / "bed.stl", bed)))
+
+
+# {name: walls from the folder for the file of the bed}
+SCENES = {
+    "tank": lambda folder: (TANK,),
+    "box on the bed": lambda folder: (
+        TANK, Obstacle(Box(width=0.4, height=0.4, breadth=0.4, at=(0.5, 0.4, 0.0)))),
+    "slope of 30 degrees": lambda folder: (Profile(beach(30.0)[0].points, breadth=0.6),),
+    "bed from a file": _bed,
+}
 
 
 def rows(bench):
@@ -30,20 +45,6 @@ def rows(bench):
 
 def still(name, preset, jitter, folder):
     """Return the Case of water at rest in one of SCENES, with adaptive steps. folder : Path, for the file of the bed"""
-    return Case(title=name, fluid=Fluid(StillWater(1.0), density=DENSITY), walls=_walls(name, folder),
+    return Case(title=name, fluid=Fluid(StillWater(1.0), density=DENSITY), walls=SCENES[name](folder),
                 gravity=(0.0, 0.0, -G), end_time=1000.0,
                 numerics=Numerics(spacing=0.1, preset=preset, jitter=jitter, seed=1, rtol=1e-12))
-
-
-def _walls(name, folder):
-    tank = Tank(WIDTH, HIGH, breadth=BREADTH)
-    if name == "box on the bed":
-        return tank, Obstacle(Box(width=0.4, height=0.4, breadth=0.4, at=(0.5, 0.4, 0.0)))
-    if name == "slope of 30 degrees":
-        slope, = beach(30.0)
-        return (Profile(slope.points, breadth=0.6),)
-    if name == "bed from a file":
-        bed = sheet(lambda x, y: 0.25 + 0.15 * np.sin(3.0 * x) * np.cos(2.0 * y), (0.0, 0.0), (WIDTH, BREADTH),
-                    (28, 24))
-        return tank, Surface(file=str(write_stl(folder / "bed.stl", bed)))
-    return (tank,)
