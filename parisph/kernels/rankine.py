@@ -54,14 +54,16 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
                  normalised: bool) -> None:
     """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
-    A row with too few neighbours becomes their mean, with measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as
-    printed [m^2].
+    Neighbours around a point of the circle may lie in a plane, as beside an edge without nodes at the foot of a piston.
+    The weights of that row are then those around its centre. A row with too few neighbours becomes their mean, with
+    measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as printed [m^2].
 
     u : (n_all, dim) [m/s]; normalised : whether by M
     """
     unit, radius, role, indptr, axes = circle.unit, circle.radius, cloud.role, cloud.indptr, cloud.axes
     dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
     at = np.ascontiguousarray(unit.T) * (circle.size / radius)
+    centre = np.zeros_like(at)
     basis, w = np.empty((size + 1, room)), np.empty((points, room))
     moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
     mean = np.empty((dim + 1, room))
@@ -72,8 +74,11 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
         n = gather(basis, rows.columns, indptr[i], i, cloud, radius)
         m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
-        weigh(moments, w, basis, at, m, axes)
-        spanned = linear_fit(fit, moments, at, points, axes) == points
+        for around in (at, centre):
+            weigh(moments, w, basis, around, m, axes)
+            spanned = linear_fit(fit, moments, at, points, axes) == points
+            if spanned:
+                break
         sum_over_points(mean, fit, w, basis, unit, m, axes)
         if normalised and n > size:
             _make_isotropic(mean, basis, w, m, matrix, right, axes)
