@@ -6,6 +6,7 @@ the lattice lines and the walls, about sqrt(N) of them.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from parisph.case.scene import Scene
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Lid, Tank
 from parisph.geometry.extrusion import extruded
+from parisph.geometry.feet import on_walls
 from parisph.geometry.fill import Filling, filling_of
 from parisph.geometry.layers import LayeredFilling, in_front, layered
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
@@ -43,16 +45,19 @@ TURN = 0.02     # [rad] between two checked positions of a rotating wall
 AnyFilling = Filling | LayeredFilling
 
 
+@lru_cache(maxsize=2)
 def scene_mesh(case: Scene) -> WallMesh | None:
-    """Return the mesh of all walls of a case, or None without walls. Raises CaseError.
+    """Return the mesh of all walls of a case, or None without walls. Cached: callers must not change it.
 
     Nodes are at their positions at t = 0. `bodies[k].motion` numbers the motion in `scene_motions`, and `bodies` are
     the walls of geometry.spans.scene_walls.
     """
     if case.dim == 3:
-        return room_mesh(case) if case.surfaces else extruded(case) if case.bodies else None
-    walls = standing(case)
-    return wall_mesh(walls, case.numerics.spacing) if walls else None
+        mesh = room_mesh(case) if case.surfaces else extruded(case) if case.bodies else None
+    else:
+        walls = standing(case)
+        mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
+    return None if mesh is None else on_walls(mesh, case.numerics.spacing)
 
 
 def scene_motions(case: Scene) -> tuple[Motion, ...]:
