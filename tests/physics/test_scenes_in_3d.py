@@ -38,22 +38,22 @@ def test_water_rests(name):
 
 
 def test_a_piston_moves_a_slab_as_it_moves_2d_water():
-    """The mean velocity differs by .6 %, with twice the spacing by 2.2 %; the height of the crest by .4 %."""
+    """The mean velocity differs by .3 %. Without rows at the edges of the piston, water there is shot off at 1 s."""
     found = []
     for across in ({}, {"breadth": 0.4}):
         walls = (Tank(1.0, 0.5, at=(-0.3, 0.0), **across), Piston(0.0, wave=SolitaryWave(height=0.08, depth=0.3)))
         simulation = Simulation(case_of(walls, 0.3, 0.05, preset="violent", rtol=1e-10), MPI.COMM_WORLD)
         try:
-            while simulation.time < 0.8:
+            while simulation.time < 1.2:
                 simulation.advance()
             p = simulation.particles
             fluid = p.kind == FLUID
             mean = p.volume[fluid] @ p.u[fluid][:, 0] / p.volume[fluid].sum()
             found.append((mean, p.x[fluid][:, -1].max(), simulation.time))
             if across:    # packing leaves particles uneven
-                assert np.abs(p.u[fluid][:, 1]).max() < 0.1 * np.abs(p.u[fluid][:, 0]).max()
+                assert np.abs(p.u[fluid][:, 1]).max() < 0.02 * np.abs(p.u[fluid][:, 0]).max()
         finally:
             simulation.destroy()
     (flow, top, time), (flow_3d, top_3d, time_3d) = found
     assert flow > 0.0 and time == pytest.approx(time_3d, rel=1e-6)
-    assert flow_3d == pytest.approx(flow, rel=0.01) and top_3d - 0.3 == pytest.approx(top - 0.3, rel=0.01)
+    assert flow_3d == pytest.approx(flow, rel=0.006) and top_3d - 0.3 == pytest.approx(top - 0.3, rel=0.01)

@@ -254,6 +254,21 @@ def test_row_without_support_is_the_mean_of_its_neighbours(dim, shape):
     assert np.isfinite(rows.flux.flux[: len(pool.indices)]).all()
 
 
+def test_row_of_fluid_beside_an_edge_without_nodes_is_that_around_its_centre():
+    """Neighbours around the point of the sphere nearest to the edge lie in a plane; those of the particle do not."""
+    lines = [(0.0, 0.0, 0.0, 1.1), (0.45, -0.45, 0.25, 1.0), (-0.45, 0.55, 0.25, 1.0), (1.5, -0.45, 0.25, 1.0),
+             (-0.45, 1.5, 0.25, 1.0), (1.5, 0.8, 0.26, 1.0), (0.8, 1.5, 0.2, 1.0)]
+    index = [(x, first + pitch * k, z) for x, z, first, pitch in lines for k in (-2, -1, 0, 1, 2)]
+    pool = free(np.array(index))
+    rows = filled(pool, u=pool.x)
+    i, values = 2, np.concatenate([pool.x.T, (pool.x**2).sum(axis=1)[None]])
+    assert np.all(pool.x[i] == 0.0) and rows.measure[i] > 0.0
+    found = [rows.applied(f)[i] for f in values]
+    np.testing.assert_allclose(found[:3], 0.0, atol=1e-12)
+    np.testing.assert_allclose(found[3], -6.0 * rows.measure[i], rtol=1e-9)
+    np.testing.assert_allclose(rows.div[i], 3.0, rtol=1e-9)
+
+
 @dims
 def test_thin_jets_give_finite_rows(dim):
     for width in (1, 2):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph import Box, Case, Disc, Fluid, Numerics, Obstacle, Piston, Plate, Polygon, Profile, StillWater, Tank
+from parisph import Box, Case, Disc, Flap, Fluid, Numerics, Obstacle, Piston, Plate, Polygon, Profile, StillWater, Tank
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.waves import Airy, SolitaryWave
 from parisph.geometry import build, scene_checks
@@ -89,6 +89,19 @@ def test_nodes_follow_the_fluid_in_the_order_of_the_mesh(name):
     np.testing.assert_allclose(arrays["weight"][~wall] * S**2, arrays["volume"][~wall])
     assert not arrays["area"][~wall].any()
     assert not np.any(arrays["role"][wall][mesh.edge == CONVEX] != DRY)
+
+
+@pytest.mark.parametrize(("maker", "level", "normal"), [
+    (Piston(at=0.0, wave=Airy(0.02, 1.5, 0.5)), 0.0, (1.0, 1.0)),
+    (Flap(hinge=(0.0, 0.0), wave=Airy(0.02, 1.5, 0.5)), 0.0, (1.0, 1.0)),
+    (Piston(at=0.0, bottom=0.2, wave=Airy(0.02, 1.5, 0.5)), 0.2, (1.0, 0.0)),
+])
+def test_a_wavemaker_that_stands_on_the_bed_has_a_corner_there(maker, level, normal):
+    mesh = build.scene_mesh(scene(water(), (SLOPE, maker)))
+    face, high = mesh.body == 1, mesh.x0[:, 1]
+    foot = face & (high < level + 1e-9)
+    np.testing.assert_allclose(mesh.normal0[foot], [np.array(normal) / np.linalg.norm(normal)], atol=1e-12)
+    np.testing.assert_allclose(mesh.normal0[face & ~foot], [(1.0, 0.0)] * (face.sum() - 1), atol=1e-12)
 
 
 def test_scenes_without_walls_have_fluid_alone():
