@@ -1,28 +1,28 @@
 """Processor time that a rank spends in kernels, measured from outside: every call is timed where the step makes it."""
 
+import sys
 from time import thread_time
+from types import ModuleType
 
-from parisph.methods import boundary, operators, positions, projection, straining, surfaces, velocities
-from parisph.parallel import domain
-from parisph.pressure import rows
-
-_CALLED_FROM = {
-    projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions", "films"), straining: ("strain",),
-    positions: ("pairs", "shifting"), boundary: ("density", "nearest_walls"),
-    operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
-    domain: ("neighbour_lists",),
-}
+KERNELS = "parisph.kernels"
 
 
 class KernelTime:
-    """Times the kernels of a step from now on, in this process; `seconds` so far."""
+    """Times the kernels of a step from now on, in this process; `seconds` so far.
+
+    All modules of parisph outside the kernels that are loaded by now time what they import from these.
+    """
 
     def __init__(self):
         self.seconds = 0.0
-        for module, names in _CALLED_FROM.items():
-            for name in names:
-                found = getattr(module, name)
-                setattr(module, name, self._timed(found) if callable(found) else _Timed(found, self._timed))
+        for name, module in list(sys.modules.items()):
+            if name.startswith("parisph.") and not name.startswith(KERNELS):
+                for key, found in list(vars(module).items()):
+                    if isinstance(found, ModuleType):
+                        if found.__name__.startswith(KERNELS + "."):
+                            setattr(module, key, _Timed(found, self._timed))
+                    elif _is_kernel(found):
+                        setattr(module, key, self._timed(found))
 
     def _timed(self, function):
         def call(*args, **options):
@@ -42,4 +42,9 @@ class _Timed:
 
     def __getattr__(self, name):
         found = getattr(self._module, name)
-        return self._wrap(found) if callable(found) else found
+        return self._wrap(found) if _is_kernel(found) else found
+
+
+def _is_kernel(found):
+    own = str(getattr(found, "__module__", "")).startswith(KERNELS)
+    return own and callable(found) and not isinstance(found, type)
