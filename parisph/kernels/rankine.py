@@ -54,8 +54,8 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
                  normalised: bool) -> None:
     """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
-    A row with too few neighbours becomes their mean, with measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as
-    printed [m^2].
+    A row with too few neighbours becomes the mean of those that reach the circle, with measure 0. Other measures are
+    M/(2 dim), or R^2/(2 dim) as printed [m^2].
 
     u : (n_all, dim) [m/s]; normalised : whether by M
     """
@@ -83,7 +83,7 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
             rows.measure[i] = (spread if normalised else circle.size * circle.size) / (2.0 * dim * total)
             _store(rows, flux, i, total, mean, cloud, u, circle)
         else:
-            _store_mean(rows, flux, i, cloud)
+            _store_mean(rows, flux, i, cloud, circle.size + circle.radius)
 
 
 @inlined
@@ -163,13 +163,34 @@ def _store(rows, flux, i, total, mean, cloud, u, circle):
 
 
 @inlined
-def _store_mean(rows, flux, i, cloud):
-    """Write the mean of the neighbours as a row, and a stencil of zeros."""
+def _store_mean(rows, flux, i, cloud, reach):
+    """Write the mean of the neighbours as a row (`keep_within`), and a stencil of zeros."""
     rows.measure[i] = flux.div[i] = 0.0
-    for k in range(cloud.indptr[i], cloud.indptr[i] + rows.count[i]):
-        rows.values[k] = 1.0 / rows.count[i]
+    first = cloud.indptr[i]
+    rows.count[i] = n = keep_within(rows.columns, first, rows.count[i], i, cloud, reach)
+    for k in range(first, first + n):
+        rows.values[k] = 1.0 / n
         for a in range(len(cloud.axes)):
             flux.flux[k, a] = 0.0
+
+
+@inlined
+def keep_within(columns, first, n, i, cloud, reach):
+    """Move those of n neighbours, from `first` on, that are within the reach [m] to the front; return their number.
+
+    Lists reach farther, how far depends on when they were made, and so on the number of ranks. In 2D all stay.
+    """
+    if len(cloud.axes) == 2:
+        return n
+    kept = first
+    for k in range(first, first + n):
+        j, r2 = columns[k], 0.0
+        for a in range(len(cloud.axes)):
+            r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
+        if r2 < reach * reach:
+            columns[kept] = j
+            kept += 1
+    return kept - first
 
 
 @kernel

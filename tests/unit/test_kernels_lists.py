@@ -13,6 +13,7 @@ from parisph.kernels import (
     nearest_walls,
     pairs,
     rankine,
+    row,
     shifting,
     strain,
     surface,
@@ -20,7 +21,7 @@ from parisph.kernels import (
 )
 from parisph.kernels.circle import Circle
 from parisph.kernels.near import Form
-from tests.pools import Rows, dims, nowhere, tank
+from tests.pools import Rows, dims, free, nowhere, tank
 
 S = 0.1
 P = np.random.default_rng(0).normal(size=2000)
@@ -189,3 +190,15 @@ def test_order_in_the_lists(dim, kernel):
     for first, last in zip(pool.indptr[:-1], pool.indptr[1:]):
         random.shuffle(pool.indices[first:last])
     np.testing.assert_allclose(kernel(pool), expected, rtol=1e-9, atol=1e-11)
+
+
+def test_means_in_place_of_rows_in_3d():
+    """In a plane no row in 3D is sound; two of the neighbours are 2.61 and 2.65 spacings away."""
+    pool = free([[0, 0, 0], [1, 0, 0], [0, 1, 0], [-1.5, 2, 0], [2.61, 0, 0], [0, 2.65, 0]], spacing=S, reach=3.3)
+    means = Rows(pool)
+    means.count[:] = 0
+    row.mean_rows(means.matrix, pool.cloud, 2.6 * S)
+    for rows in (of_the_circle(pool), means):
+        columns, values = rows.entries(0)
+        assert sorted(columns) == [1, 2, 3] and rows.measure[0] == 0.0
+        np.testing.assert_array_equal(values, 1.0 / 3.0)
