@@ -175,7 +175,7 @@ def _store_mean(rows, flux, i, cloud, reach):
 
 
 @inlined
-def keep_within(columns, first, n, i, cloud, reach):
+def keep_within(columns: np.ndarray, first: int, n: int, i: int, cloud: Cloud, reach: float) -> int:
     """Move those of n neighbours, from `first` on, that are within the reach [m] to the front; return their number.
 
     Lists reach farther, how far depends on when they were made, and so on the number of ranks. In 2D all stay.
