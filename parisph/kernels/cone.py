@@ -25,6 +25,8 @@ SPLITS = 4    # of an icosahedron's edge; with 2, particles of a jittered surfac
 WORD = 64     # bits
 EVERY, LAST = np.uint64(2**WORD - 1), np.uint64(2 ** (10 * SPLITS**2 + 2 - 2 * WORD) - 1)    # masks of all axes
 FARTHER = 1.0 + 1e-6    # for rounding
+# of cosines: 24 axes are 60 degrees from the normal of a wall along a coordinate plane, where rounding would decide
+TIE = 1e-9
 FEW = 6       # tuned 4 to 9: number of neighbours below which a particle is on the surface in 3D; judged
 
 
@@ -155,7 +157,10 @@ def _note(toward, n, dx, dy, dz, r2):
 
 @inlined
 def _is_free(toward, n, axis, masks, limit):
-    """Return whether any axis has no neighbour within its cone, whose half angle has the cosine `limit`."""
+    """Return whether any axis has no neighbour within its cone, whose half angle has the cosine `limit`.
+
+    A neighbour on the side of the cone, but for rounding, is within it. The masks do not count on it.
+    """
     first, second, third = np.uint64(0), np.uint64(0), np.uint64(0)
     for k in range(n):
         b = _bin(toward[0, k], toward[1, k], toward[2, k])
@@ -172,7 +177,7 @@ def _is_free(toward, n, axis, masks, limit):
         for k in range(n):
             cosine = toward[0, k] * axis[q, 0] + toward[1, k] * axis[q, 1] + toward[2, k] * axis[q, 2]
             nearest = max(nearest, cosine)
-        if nearest < limit:
+        if nearest < limit - TIE:
             return True
     return False
 

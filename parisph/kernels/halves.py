@@ -14,6 +14,7 @@ from parisph.base.fields import FLUID, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.records import Cloud
 
+LISTED = 2.6    # spacings that neighbour lists reach, whenever they were made (lengths.NEAR)
 # Fluid this near a wall represents the half cell there; farther away a second layer has room.
 LAYER = 1.5     # tuned 0.75 to 3: spacings from a wall to the end of the first layer; judged
 # The first layer of water that stretches away from a wall still represents the half cells there, until another one has
@@ -36,9 +37,11 @@ def before(i: int, j: int, cloud: Cloud) -> float:
     """Return the part of wall particle i that fluid particle j is before.
 
     It is (1 - t/s) a, with the distance t < s along the wall. a is 1 up to LAYER in front of it, and falls to 0 one
-    spacing farther, in corners of 3D at `deeper` times that.
+    spacing farther, in corners of 3D at `deeper` times that. Fluid counts as far as lists reach at any time.
     """
     away, along = _place(i, j, cloud)
+    if away * away + along * along > LISTED * LISTED:
+        return 0.0
     if len(cloud.axes) == 3:
         away /= deeper(cloud.corner[i])
     if 0.0 < away < LAYER + 1.0 and along < 1.0:

@@ -29,7 +29,7 @@ from parisph.kernels.smoothing import quartic_weight
 NEGATIVE = 0.1  # tuned 0.05 to 0.2: negative weight over the sum, up to which a row is made isotropic; judged
 # A row beyond this gave a drop at the lid fourteen times the pressure of all the water.
 UNSOUND = 0.5   # tuned 0.25 to 1: negative weight over the sum, above which a row is dropped; measured
-WIDER = 1.25    # tuned 1 to 2.5: radius of the change that makes a row isotropic, over that of the weight; judged
+WIDER = 1.238   # tuned 1 to 1.238: radius of the change that makes a row isotropic, over that of the weight; judged
 
 
 def directions(dim: int, count: int | None = None) -> np.ndarray:
@@ -54,9 +54,9 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
                  normalised: bool) -> None:
     """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
-    Neighbours around a point of the circle may lie in a plane, as beside an edge without nodes at the foot of a piston.
-    The weights of that row are then those around its centre. A row with too few neighbours becomes their mean, with
-    measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as printed [m^2].
+    Neighbours around a point of the circle may lie in a plane, as beside an edge without nodes. The weights of that row
+    are then those around its centre. A row with too few neighbours becomes the mean of those that reach the circle,
+    with measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as printed [m^2].
 
     u : (n_all, dim) [m/s]; normalised : whether by M
     """
@@ -88,7 +88,7 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
             rows.measure[i] = (spread if normalised else circle.size * circle.size) / (2.0 * dim * total)
             _store(rows, flux, i, total, mean, cloud, u, circle)
         else:
-            _store_mean(rows, flux, i, cloud)
+            _store_mean(rows, flux, i, cloud, circle.size + circle.radius)
 
 
 @inlined
@@ -168,13 +168,32 @@ def _store(rows, flux, i, total, mean, cloud, u, circle):
 
 
 @inlined
-def _store_mean(rows, flux, i, cloud):
-    """Write the mean of the neighbours as a row, and a stencil of zeros."""
+def _store_mean(rows, flux, i, cloud, reach):
+    """Write the mean of the neighbours as a row (`keep_within`), and a stencil of zeros."""
     rows.measure[i] = flux.div[i] = 0.0
-    for k in range(cloud.indptr[i], cloud.indptr[i] + rows.count[i]):
-        rows.values[k] = 1.0 / rows.count[i]
+    first = cloud.indptr[i]
+    rows.count[i] = n = keep_within(rows.columns, first, rows.count[i], i, cloud, reach)
+    for k in range(first, first + n):
+        rows.values[k] = 1.0 / n
         for a in range(len(cloud.axes)):
             flux.flux[k, a] = 0.0
+
+
+@inlined
+def keep_within(columns: np.ndarray, first: int, n: int, i: int, cloud: Cloud, reach: float) -> int:
+    """Move those of n neighbours, from `first` on, that are within the reach [m] to the front; return their number.
+
+    Lists reach farther, how far depends on when they were made, and so on the number of ranks.
+    """
+    kept = first
+    for k in range(first, first + n):
+        j, r2 = columns[k], 0.0
+        for a in range(len(cloud.axes)):
+            r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
+        if r2 < reach * reach:
+            columns[kept] = j
+            kept += 1
+    return kept - first
 
 
 @kernel

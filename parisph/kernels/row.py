@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import INNER
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.rankine import UNSOUND
+from parisph.kernels.rankine import UNSOUND, keep_within
 from parisph.kernels.records import Cloud, Rows
 from parisph.kernels.roles import outside
 
@@ -34,10 +34,12 @@ def finish_row(rows: Rows, i: int, first: int, n: int, scale: float, sound: bool
 
 
 @kernel
-def mean_rows(rows: Rows, cloud: Cloud) -> None:
+def mean_rows(rows: Rows, cloud: Cloud, reach: float) -> None:
     """Give inner particles whose row was dropped the mean of their neighbours, as `rankine.rankine_rows` does.
 
     A row without entries would fix p = 0 in the middle of a closed tank. The measure stays 0 and marks such rows.
+
+    reach : of the neighbours of the mean [m] (`rankine.keep_within`)
     """
     count, columns, values, measure = rows
     role, indptr, indices = cloud.role, cloud.indptr, cloud.indices
@@ -48,6 +50,7 @@ def mean_rows(rows: Rows, cloud: Cloud) -> None:
         for k in range(first, indptr[i + 1]):
             columns[first + n] = indices[k]
             n += not outside(role[indices[k]])
+        n = keep_within(columns, first, n, i, cloud, reach)
         for k in range(first, first + n):
             values[k] = 1.0 / n
         count[i], measure[i] = n, 0.0

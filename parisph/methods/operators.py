@@ -90,7 +90,7 @@ class Sparse(Laplacian):
 
     def fill(self, rows: Rows, cloud: Cloud, flux: DivergenceRows, u: Floats) -> None:
         self.laplacian(rows, cloud)
-        row.mean_rows(rows, cloud)
+        row.mean_rows(rows, cloud, self.reach * cloud.spacing)
 
     @abstractmethod
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from parisph import Box, Case, Fluid, Numerics, Obstacle, Polygon, StillWater, Tank
-from parisph.base.fields import FLUID, SURFACE, WALL, WET
+from parisph.base.fields import DRY, FLUID, SURFACE, WALL, WET
 from parisph.kernels import wetness
 from parisph.kernels.surface_rows import FULL, HALF
 from parisph.methods import filling
+from parisph.methods.boundary import Boundary
 from parisph.methods.surfaces import classify
 from tests.pools import filled
 from tests.scenes import simulated
@@ -46,6 +47,7 @@ def test_a_column_has_full_cells_down_to_its_foot(walls):
 def on_lattice(cells, level):
     """Return a flow of water up to a layer of a tank of so many cells, as far as half cells need it, and its pool."""
     pool = filled(cells, level)
+    pool.role[(pool.kind == WALL) & (pool.index[:, -1] >= level)] = DRY
     top, s = np.array(cells), pool.spacing
     wide = 1.0 + 0.5 * (pool.index == 1) + 0.5 * (pool.index == top - 1)
     wide[:, -1] = np.where(pool.index[:, -1] == level, 0.5, np.where(pool.index[:, -1] == 1, 1.5, 1.0))
@@ -60,7 +62,7 @@ def on_lattice(cells, level):
     flow = SimpleNamespace(particles=p, spacing=s, half_cells=True, cloud=pool.cloud,
                            cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
                            domain=SimpleNamespace(update=lambda *names: None),
-                           walls=SimpleNamespace(cover=lambda flow: ()))
+                           walls=SimpleNamespace(cover=lambda flow: (), claimed=lambda flow: Boundary.claimed(None, flow)))
     return flow, pool
 
 
@@ -72,8 +74,8 @@ def test_level_water_in_a_tank_has_halves_in_its_corners_too(cells):
     assert flow.cells[surface].max() == pytest.approx({2: 0.75, 3: 2.0 if cells[0] == 2 else 1.125}[len(cells)])
     filling.halve_on_lattice(flow)
     np.testing.assert_array_equal(flow.particles.half == 1, surface)
-    # what each represents at walls is remembered: all but its own cell, on the level as if the water went on above
-    expected = np.where(surface, 2.0, 1.0) * flow.cells - 1.0
+    # what each represents at walls is remembered: all but its own cell, at the water line nothing
+    expected = np.where(surface, 0.0, flow.cells - 1.0)
     np.testing.assert_allclose(flow.particles.beside, np.where(pool.fluid, expected, 0.0), atol=1e-6)
 
 
@@ -110,7 +112,7 @@ def test_fluid_represents_no_half_cells_of_a_lid_above_it(gap):
     p = simulated(case).particles
     top = (p.kind == FLUID) & (p.role == SURFACE) & (np.abs(p.x[:, 0] - 0.5) < 0.35)
     assert np.count_nonzero(top) > 5 and np.abs(p.beside[top]).max() < 1e-12
-    assert p.beside.sum() == pytest.approx(0.5 * 9 + 0.25 * 2 + 0.5 * 2 * layers, rel=1e-6 if gap == 1.0 else 0.03)
+    assert p.beside.sum() == pytest.approx(0.5 * 9 + 0.25 * 2 + 0.5 * 2 * (layers - 1), rel=1e-6 if gap == 1.0 else 0.03)
 
 
 def test_packed_water_carries_hardly_any_half_cells_at_its_start():

@@ -91,6 +91,20 @@ def test_a_cone_along_no_axis_is_seen_to_within_their_distance(half, role):
         assert by_cone(free(np.vstack([np.zeros(3), rest])))[0] == role
 
 
+@pytest.mark.parametrize("normal", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (2.0, 1.0, 0.0)])
+def test_rounding_does_not_decide_where_a_wall_is_on_the_side_of_a_cone(normal):
+    """Some axes are exactly 60 degrees from the normals of walls along coordinate planes, and of a slope of 1:2."""
+    toward = np.array(normal) / np.linalg.norm(normal)
+    tied = cone.directions()[np.abs(cone.directions() @ toward - 0.5) < 1e-12]
+    assert len(tied) >= 2
+    places = [toward + 1.2e-16 * way for way in np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)])]
+    for axis in tied[:2]:
+        wide = many()[many() @ axis < math.cos(math.radians(60.5))][::40]
+        assert by_cone(free(np.vstack([np.zeros(3), wide])))[0] == SURFACE
+        for place in places:
+            assert by_cone(free(np.vstack([np.zeros(3), wide, place])))[0] == INNER
+
+
 @jitters
 @pytest.mark.parametrize("lid", [False, True])
 def test_flat_surface_in_a_tank(jitter, lid):

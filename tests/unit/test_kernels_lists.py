@@ -6,21 +6,25 @@ Lists are longer than the stencils while their skin lasts, and their order diffe
 import numpy as np
 import pytest
 
+from parisph.base.fields import WALL
 from parisph.kernels import (
     collisions,
     gradient,
+    halves,
     laplacian,
     nearest_walls,
     pairs,
     rankine,
+    row,
     shifting,
     strain,
     surface,
     walls,
+    wetness,
 )
 from parisph.kernels.circle import Circle
 from parisph.kernels.near import Form
-from tests.pools import Rows, dims, nowhere, tank
+from tests.pools import Rows, dims, free, nowhere, tank
 
 S = 0.1
 P = np.random.default_rng(0).normal(size=2000)
@@ -160,9 +164,25 @@ def by_gap(pool):
     return role
 
 
+def covered(pool):
+    out = np.empty(pool.n)
+    wetness.covered_walls(out, pool.cloud)
+    return out
+
+
+def shares(pool):
+    """Half cells around fluid, and what it represents of them and carries, when it has left a half of its own."""
+    found, spare, share = np.empty((3, pool.n))
+    weight = np.where(pool.kind == WALL, 0.5, 1.0)
+    halves.half_cells_around(found, pool.cloud, weight)
+    halves.claims(share, spare, pool.cloud, 0.7 * found + 0.1, weight)
+    halves.wall_share(share, pool.cloud, weight)
+    return np.stack([found, spare, share])
+
+
 EVERY = (least_squares, harmonic, symmetric, wall_velocity, velocity_gradient, mean_rate, filtered, collided, turned,
          parted, guarded, density, concentration, shifted, divergence, printed_rows, sph_rows, wall_rows,
-         harmonic_wall_rows, by_gap)
+         harmonic_wall_rows, by_gap, rankine_rows, covered, shares)
 each = pytest.mark.parametrize("kernel", EVERY, ids=lambda kernel: kernel.__name__)
 
 
@@ -171,17 +191,16 @@ def pool_of(dim, reach=2.6):
     return tank((9, 8) if dim == 2 else (8, 8, 8), jitter=0.9, spacing=S, reach=reach)
 
 
-# isotropic rows weigh neighbours out to 1.25 x 2.1 spacings: from there on nothing changes
 @dims
-@pytest.mark.parametrize(("kernel", "reach"), [*((kernel, 2.6) for kernel in EVERY), (rankine_rows, 2.625)])
-def test_longer_lists(dim, kernel, reach):
-    short, long = pool_of(dim, reach), pool_of(dim, 3.3)
+@each
+def test_longer_lists(dim, kernel):
+    short, long = pool_of(dim), pool_of(dim, 3.3)
     assert len(long.indices) > 1.2 * len(short.indices)
     np.testing.assert_allclose(kernel(long), kernel(short), rtol=1e-9, atol=1e-11)
 
 
 @dims
-@pytest.mark.parametrize("kernel", (*EVERY, rankine_rows), ids=lambda kernel: kernel.__name__)
+@each
 def test_order_in_the_lists(dim, kernel):
     pool = pool_of(dim)
     expected = kernel(pool)
@@ -189,3 +208,18 @@ def test_order_in_the_lists(dim, kernel):
     for first, last in zip(pool.indptr[:-1], pool.indptr[1:]):
         random.shuffle(pool.indices[first:last])
     np.testing.assert_allclose(kernel(pool), expected, rtol=1e-9, atol=1e-11)
+
+
+@dims
+def test_means_in_place_of_rows(dim):
+    """In a line, in 3D in a plane, no row is sound; two of the neighbours are 2.61 and 2.65 spacings away."""
+    plane = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-1.5, 2, 0], [2.61, 0, 0], [0, 2.65, 0]]
+    line = [[0, 0], [1, 0], [-1, 0], [2.5, 0], [2.61, 0], [-2.65, 0]]
+    pool = free(line if dim == 2 else plane, spacing=S, reach=3.3)
+    means = Rows(pool)
+    means.count[:] = 0
+    row.mean_rows(means.matrix, pool.cloud, 2.6 * S)
+    for rows in (of_the_circle(pool), means):
+        columns, values = rows.entries(0)
+        assert sorted(columns) == [1, 2, 3] and rows.measure[0] == 0.0
+        np.testing.assert_array_equal(values, 1.0 / 3.0)

@@ -164,7 +164,7 @@ def test_rows_given_up_can_become_the_mean_of_their_neighbours():
     rows = filled(pool, "gfd")
     given_up, kept = (pool.role == INNER) & (rows.measure == 0.0), rows.measure > 0.0
     before = rows.applied(pool.x[:, 0])
-    row.mean_rows(rows.matrix, pool.cloud)
+    row.mean_rows(rows.matrix, pool.cloud, np.inf)
     assert np.count_nonzero(given_up) > 0 and np.all(rows.count[:2] == 0)
     np.testing.assert_array_equal(rows.applied(pool.x[:, 0])[kept], before[kept])
     for i in np.flatnonzero(given_up):

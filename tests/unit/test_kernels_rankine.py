@@ -132,7 +132,7 @@ def test_rounding_is_no_row():
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         rows = filled(free(x @ turn.T, reach=3.0))
         columns, values = rows.entries(0)
-        np.testing.assert_array_equal(values, [0.2] * 5)     # what is left on one side only is dropped
+        np.testing.assert_array_equal(values, [0.25] * 4)    # what is left on one side only is dropped
         assert rows.measure[0] == 0.0
 
 
