@@ -151,7 +151,7 @@ def test_gradient_is_replaced_on_the_surface_only(dim):
     pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
     out = np.full((pool.n, dim), 7.0)
     f, grad = harmonic_quadratics(pool.x)[0]
-    gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, np.inf)
+    gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, np.inf, np.inf)
     surface = pool.role == SURFACE
     np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
     assert np.all(out[~surface] == 7.0)
@@ -161,5 +161,5 @@ def test_gradient_of_a_surface_without_support_stays():
     pool = free([[0, 0], [1, 0], [2, 0]])
     pool.role[:] = SURFACE
     out = np.full((3, 2), 7.0)
-    gradient.harmonic_gradient(out, pool.cloud, np.arange(3.0), 2.6 * pool.spacing, np.inf)
+    gradient.harmonic_gradient(out, pool.cloud, np.arange(3.0), 2.6 * pool.spacing, np.inf, np.inf)
     assert np.all(out == 7.0)
