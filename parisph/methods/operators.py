@@ -337,7 +337,8 @@ class HarmonicSurface(Gradient):
     Where the neighbours alone raise the variance of a slope to more than INFLATION times, the slopes across walls are
     data too, if the fit is then within that limit. The last particle of water at rest on a slope has few neighbours,
     and without these data its gradient fed a wave along the water line, at .01 to .04 in a step of 1.3 sqrt(s/g) on
-    slopes of 20, 30, 35 and 60 degrees.
+    slopes of 20, 30, 35 and 60 degrees. In the dam break (H/s = 40, five starts) P2 errs by .062 to .081 with them, by
+    .048 to .067 without.
 
     A frozen surface also keeps a single particle in the tip of a wedge. Its few neighbours suffice for the harmonic
     terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e in .2 to 6
