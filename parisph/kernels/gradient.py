@@ -143,21 +143,29 @@ def regain_role(start_role: np.ndarray, cloud: Cloud, form: Form) -> None:
 
 
 @kernel
-def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float, most: float) -> None:
-    """Replace the gradient at surface particles by that of the harmonic fit.
+def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float, sure: float,
+                      most: float) -> np.ndarray:
+    """Replace the gradient at surface particles by that of the harmonic fit; return where it is unsure (n_owned,) bool.
 
     `out` stays unchanged where the neighbours do not span the harmonic basis, or where the harmonic terms raise the
-    variance of the slope to more than `most` times that of a linear fit.
+    variance of the slope to more than `most` times that of a linear fit. The fit is unsure where they raise it to more
+    than `sure` times.
     """
     indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
     c, work, b = harmonic.scratch(indptr, cloud.axes)
+    unsure = np.zeros(len(indptr) - 1, np.bool_)
     for i in range(len(indptr) - 1):
-        if cloud.role[i] != SURFACE or not harmonic.coefficients(c, i, cloud, radius, most, work, b):
+        if cloud.role[i] != SURFACE:
             continue
+        if not harmonic.coefficients(c, i, cloud, radius, min(sure, most), work, b):
+            unsure[i] = most > sure and harmonic.coefficients(c, i, cloud, radius, most, work, b)
+            if not unsure[i]:
+                continue
         out[i, :] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
             for a in range(dim):
                 out[i, a] += c[k - indptr[i], a] * (f[indices[k]] - f[i])
+    return unsure
 
 
 @kernel

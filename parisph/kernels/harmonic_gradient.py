@@ -15,15 +15,15 @@ from parisph.kernels.records import Cloud
 
 
 @kernel
-def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harmonic.Slopes, laplacian: np.ndarray,
-                      radius: float, most: float) -> np.ndarray:
+def harmonic_gradient(out: np.ndarray, where: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harmonic.Slopes,
+                      laplacian: np.ndarray, radius: float, most: float) -> np.ndarray:
     """Write the gradient at fluid with a pressure by the harmonic fit; return where it exists (n_owned,) bool.
 
     The polynomials are of degree 3, or of degree 2 if the neighbours do not span them or the terms above the first
     degree raise the variance of the slope to more than `most` times that of a linear fit. If neither fit is sound,
     `out` keeps its value.
 
-    out : (n_owned, dim), changed [unit of f per m]; f : (n_all,)
+    out : (n_owned, dim), changed [unit of f per m] at particles `where` (n_owned,) bool; f : (n_all,)
     laplacian : (n_owned,) of f [unit of f per m^2], or without rows if f is harmonic. Its contributions to values, lap
         r^2/(2 dim), and to slopes are subtracted before the fit.
     radius : of the weight [m]
@@ -33,7 +33,7 @@ def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, slopes: harm
     fit, member = harmonic.fit_of(2 * room, axes), np.empty(room, np.int32)
     unit, found = harmonic.UNIT * radius, np.zeros(len(indptr) - 1, np.bool_)
     for i in range(len(indptr) - 1):
-        if role[i] != INNER and role[i] != SURFACE:
+        if not where[i] or (role[i] != INNER and role[i] != SURFACE):
             continue
         n = gather_within(fit.b, member, 0, i, cloud, unit, radius)
         if n <= dim:    # in free flight

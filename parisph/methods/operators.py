@@ -243,6 +243,16 @@ class LeastSquares(Gradient):
             _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
 
 
+def _fit_with_walls(out: Floats, where: Flags, f: Floats, flow: "Flow", along: Floats | None,
+                    laplacian: Floats | None) -> Flags:
+    """Write the harmonic fit that knows the slopes across walls; return where it exists. Arguments as of `write`."""
+    slopes = Slopes(flow.walls.slope(flow, along), flow.walls.known_slopes(flow))
+    found: Flags = harmonic_gradient.harmonic_gradient(
+        out, where, flow.cloud, f, slopes, np.empty(0) if laplacian is None else laplacian,
+        lengths.WALL * flow.spacing, INFLATION)
+    return found
+
+
 class MixedGradient(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
@@ -261,10 +271,7 @@ class Cubic(MixedGradient):
 
     def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
               laplacian: Floats | None = None) -> None:
-        slopes = Slopes(flow.walls.slope(flow, along), flow.walls.known_slopes(flow))
-        found = harmonic_gradient.harmonic_gradient(
-            out, flow.cloud, f, slopes, np.empty(0) if laplacian is None else laplacian, self.reach * flow.spacing,
-            INFLATION)
+        found = _fit_with_walls(out, np.ones(len(out), np.bool_), f, flow, along, laplacian)
         self.fit(out, found, f, flow, along)
 
     def complete(self, out: Floats, flow: "Flow") -> None:
@@ -327,6 +334,12 @@ class Same(Gradient):
 class HarmonicSurface(Gradient):
     """At surface particles, least squares exact for harmonic pressure.
 
+    Where the neighbours alone raise the variance of a slope to more than INFLATION times, the slopes across walls are
+    data too, if the fit is then within that limit. The last particle of water at rest on a slope has few neighbours,
+    and without these data its gradient fed a wave along the water line, at .01 to .04 in a step of 1.3 sqrt(s/g) on
+    slopes of 20, 30, 35 and 60 degrees. In the dam break (H/s = 40, five starts) P2 errs by .062 to .081 with them, by
+    .048 to .067 without.
+
     A frozen surface also keeps a single particle in the tip of a wedge. Its few neighbours suffice for the harmonic
     terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e in .2 to 6
     s, where the inflation was above 7; without the terms in 90 s or more). In violent flow the tip of a tongue needs
@@ -338,7 +351,10 @@ class HarmonicSurface(Gradient):
 
     def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
               laplacian: Floats | None = None) -> None:
-        gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, self.most(flow))
+        unsure = gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, INFLATION,
+                                            self.most(flow))
+        if np.any(unsure):
+            _fit_with_walls(out, unsure, f, flow, along, None)
 
     def complete(self, out: Floats, flow: "Flow") -> None:
         """Add the effect of a non-uniform body force and of vorticity."""

@@ -145,7 +145,7 @@ def surface_errors(jitter, harmonic):
         out = np.empty_like(pool.x)
         gradient.least_squares_gradient(out, nowhere(out), pool.cloud, f, Form(WALL * s, 0, 0.05))
         if harmonic:
-            gradient.harmonic_gradient(out, pool.cloud, f, WALL * s, np.inf)
+            gradient.harmonic_gradient(out, pool.cloud, f, WALL * s, np.inf, np.inf)
         surface = pool.role == SURFACE
         found.append(rms(out[surface] - exact[surface]) / rms(exact[surface]))
     return np.array(found)

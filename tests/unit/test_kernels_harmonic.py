@@ -151,15 +151,28 @@ def test_gradient_is_replaced_on_the_surface_only(dim):
     pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
     out = np.full((pool.n, dim), 7.0)
     f, grad = harmonic_quadratics(pool.x)[0]
-    gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, np.inf)
+    gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, np.inf, np.inf)
     surface = pool.role == SURFACE
     np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
     assert np.all(out[~surface] == 7.0)
+
+
+def test_the_gradient_says_where_the_terms_of_degree_two_make_it_unsure():
+    pool = tank((8, 8), jitter=0.4)
+    f, grad = harmonic_quadratics(pool.x)[0]
+    out, surface = np.full((pool.n, 2), 7.0), np.flatnonzero(pool.role == SURFACE)
+    unsure = gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, 1.5, np.inf)
+    due = [i for i in surface if not coefficients(pool, i, most=1.5)[0]]
+    assert 0 < len(due) < len(surface) and np.array_equal(np.flatnonzero(unsure), due)
+    np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
+    out[:] = 7.0
+    assert not gradient.harmonic_gradient(out, pool.cloud, f, 2.6 * pool.spacing, 1.5, 1.5).any()
+    assert np.all(out[due] == 7.0)
 
 
 def test_gradient_of_a_surface_without_support_stays():
     pool = free([[0, 0], [1, 0], [2, 0]])
     pool.role[:] = SURFACE
     out = np.full((3, 2), 7.0)
-    gradient.harmonic_gradient(out, pool.cloud, np.arange(3.0), 2.6 * pool.spacing, np.inf)
+    gradient.harmonic_gradient(out, pool.cloud, np.arange(3.0), 2.6 * pool.spacing, np.inf, np.inf)
     assert np.all(out == 7.0)

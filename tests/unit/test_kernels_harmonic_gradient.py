@@ -21,7 +21,8 @@ def gradient(pool, f, grad, laplacian=None, most=np.inf, walls=True):
     out, known = np.full((pool.n, pool.dim), 7.0), (pool.kind == WALL) & (pool.corner == 0) & walls
     slope = np.where(known, (pool.normal * grad).sum(axis=1), np.nan)
     bent = np.empty(0) if laplacian is None else np.full(pool.n, float(laplacian))
-    found = harmonic_gradient(out, pool.cloud, f, Slopes(slope, known), bent, 2.6 * pool.spacing, most)
+    everywhere, slopes = np.ones(pool.n, np.bool_), Slopes(slope, known)
+    found = harmonic_gradient(out, everywhere, pool.cloud, f, slopes, bent, 2.6 * pool.spacing, most)
     np.testing.assert_array_equal(found, np.any(out != 7.0, axis=1))
     return out
 

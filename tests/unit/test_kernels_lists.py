@@ -39,7 +39,7 @@ def least_squares(pool):
 
 def harmonic(pool):
     out = np.zeros_like(pool.x)
-    gradient.harmonic_gradient(out, pool.cloud, P[: pool.n], 2.6 * S, np.inf)
+    gradient.harmonic_gradient(out, pool.cloud, P[: pool.n], 2.6 * S, np.inf, np.inf)
     return out
 
 
