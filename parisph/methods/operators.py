@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.arrays import Flags, Floats
+from parisph.base.arrays import Flags, Floats, sizes
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import (
     curvature,
@@ -334,11 +334,11 @@ class Same(Gradient):
 class HarmonicSurface(Gradient):
     """At surface particles, least squares exact for harmonic pressure.
 
-    Where the neighbours alone raise the variance of a slope to more than INFLATION times, the slopes across walls are
-    data too, if the fit is then within that limit. The last particle of water at rest on a slope has few neighbours,
-    and without these data its gradient fed a wave along the water line, at .01 to .04 in a step of 1.3 sqrt(s/g) on
-    slopes of 20, 30, 35 and 60 degrees. In the dam break (H/s = 40, five starts) P2 errs by .062 to .081 with them, by
-    .048 to .067 without.
+    Where the neighbours alone raise the variance of a slope to more than INFLATION times, and the fluid hardly moves,
+    the slopes across walls are data too, if the fit is then within that limit. The last particle of water at rest on a
+    slope has few neighbours, and without these data its gradient fed a wave along the water line, at .01 to .04 in a
+    step of 1.3 sqrt(s/g) on slopes of 20, 30, 35 and 60 degrees. With them in all fluid, P2 of the dam break (H/s = 40,
+    five starts) errs by .062 to .081 instead of .048 to .067.
 
     A frozen surface also keeps a single particle in the tip of a wedge. Its few neighbours suffice for the harmonic
     terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e in .2 to 6
@@ -353,6 +353,7 @@ class HarmonicSurface(Gradient):
               laplacian: Floats | None = None) -> None:
         unsure = gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, INFLATION,
                                             self.most(flow))
+        unsure &= sizes(flow.particles.u) < straining.RAPID * flow.spacing / flow.wave_time
         if np.any(unsure):
             _fit_with_walls(out, unsure, f, flow, along, None)
 

@@ -62,7 +62,8 @@ def on_lattice(cells, level):
     flow = SimpleNamespace(particles=p, spacing=s, half_cells=True, cloud=pool.cloud,
                            cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
                            domain=SimpleNamespace(update=lambda *names: None),
-                           walls=SimpleNamespace(cover=lambda flow: (), claimed=lambda flow: Boundary.claimed(None, flow)))
+                           walls=SimpleNamespace(cover=lambda flow: (),
+                                                 claimed=lambda flow: Boundary.claimed(None, flow)))
     return flow, pool
 
 
