@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.kernels.jit import inlined
+from parisph.kernels.mls import linear_fit
 from parisph.kernels.smoothing import quartic_weight
 
 
@@ -92,3 +93,20 @@ def sum_over_points(mean: np.ndarray, fit: np.ndarray, w: np.ndarray, basis: np.
             mean[2, k] += shape * unit[q, 1]
             if dim == 3:
                 mean[3, k] += shape * unit[q, 2]
+
+
+@inlined
+def fit_around(fit: np.ndarray, moments: np.ndarray, w: np.ndarray, basis: np.ndarray, at: np.ndarray,
+               centre: np.ndarray, m: int, axes: tuple[int, ...]) -> bool:
+    """Write the weights and the linear fit of each point of the circle; return whether all fits are linear.
+
+    Neighbours around a point may lie in a plane, as beside an edge without nodes. All points then have the weights of
+    the centre. centre : (dim, points) zeros; other arguments as of `weigh` and mls.linear_fit
+    """
+    points = at.shape[1]
+    for around in (at, centre):
+        weigh(moments, w, basis, around, m, axes)
+        spanned = linear_fit(fit, moments, at, points, axes) == points
+        if spanned:
+            return True
+    return False

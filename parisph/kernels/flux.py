@@ -6,11 +6,11 @@ They have the form that `rankine.divergence` and `gradient_invariants` read: div
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.kernels.circle import Circle, fill_basis, sum_over_points, weigh
+from parisph.kernels.circle import Circle, fill_basis, fit_around, sum_over_points
 from parisph.kernels.gradient import support
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.mls import linear_fit, moment_count
+from parisph.kernels.mls import moment_count
 from parisph.kernels.near import Form, fill_up, gather_within, room_for
 from parisph.kernels.rankine import UNSOUND
 from parisph.kernels.records import Cloud, DivergenceRows
@@ -22,7 +22,7 @@ def flux_rows(flux: DivergenceRows, cloud: Cloud, u: np.ndarray, circle: Circle)
 
     The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan 2014,
     Eq. 23), gives div u_I = (dim/R) mean u . n. It is exact for linear u on any particles. A stencil is zero where the
-    neighbours of a point do not span the plane (3D: space), or where they lie on one side of the circle. It holds the
+    neighbours do not span the plane (3D: space), or where they lie on one side of the circle. It holds the
     neighbours within R + radius, even if the lists reach farther.
 
     u : (n_all, dim) [m/s]
@@ -30,6 +30,7 @@ def flux_rows(flux: DivergenceRows, cloud: Cloud, u: np.ndarray, circle: Circle)
     unit, radius, role, indptr, axes = circle.unit, circle.radius, cloud.role, cloud.indptr, cloud.axes
     dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
     at = np.ascontiguousarray(unit.T) * (circle.size / radius)
+    centre = np.zeros_like(at)
     basis, w = np.empty((size + 1, room)), np.empty((points, room))
     moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
     mean = np.empty((dim + 1, room))
@@ -39,8 +40,7 @@ def flux_rows(flux: DivergenceRows, cloud: Cloud, u: np.ndarray, circle: Circle)
         n = gather_within(basis, flux.columns, indptr[i], i, cloud, radius, circle.size + radius)
         m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
-        weigh(moments, w, basis, at, m, axes)
-        spanned = linear_fit(fit, moments, at, points, axes) == points
+        spanned = fit_around(fit, moments, w, basis, at, centre, m, axes)
         sum_over_points(mean, fit, w, basis, unit, m, axes)
         sound = spanned and _surrounded(mean, basis, m)
         _finish(flux, i, n, dim / (circle.size * points) if sound else 0.0, mean, cloud, u)

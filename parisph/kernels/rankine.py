@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.kernels.circle import Circle, fill_basis, sum_over_points, weigh
+from parisph.kernels.circle import Circle, fill_basis, fit_around, sum_over_points
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.mls import linear_fit, moment_count
+from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
 from parisph.kernels.records import Cloud, DivergenceRows, Rows
@@ -54,9 +54,8 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
                  normalised: bool) -> None:
     """Fill the rows of inner particles, and the flux divergence of u through the circle.
 
-    Neighbours around a point of the circle may lie in a plane, as beside an edge without nodes. The weights of that row
-    are then those around its centre. A row with too few neighbours becomes the mean of those that reach the circle,
-    with measure 0. Other measures are M/(2 dim), or R^2/(2 dim) as printed [m^2].
+    A row with too few neighbours becomes the mean of those that reach the circle, with measure 0. Other measures are
+    M/(2 dim), or R^2/(2 dim) as printed [m^2].
 
     u : (n_all, dim) [m/s]; normalised : whether by M
     """
@@ -74,11 +73,7 @@ def rankine_rows(rows: Rows, flux: DivergenceRows, cloud: Cloud, u: np.ndarray, 
         n = gather(basis, rows.columns, indptr[i], i, cloud, radius)
         m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
-        for around in (at, centre):
-            weigh(moments, w, basis, around, m, axes)
-            spanned = linear_fit(fit, moments, at, points, axes) == points
-            if spanned:
-                break
+        spanned = fit_around(fit, moments, w, basis, at, centre, m, axes)
         sum_over_points(mean, fit, w, basis, unit, m, axes)
         if normalised and n > size:
             _make_isotropic(mean, basis, w, m, matrix, right, axes)

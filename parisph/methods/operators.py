@@ -353,9 +353,10 @@ class HarmonicSurface(Gradient):
               laplacian: Floats | None = None) -> None:
         unsure = gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, INFLATION,
                                             self.most(flow))
-        unsure &= sizes(flow.particles.u) < straining.RAPID * flow.spacing / flow.wave_time
-        if np.any(unsure):
-            _fit_with_walls(out, unsure, f, flow, along, None)
+        if flow.wave_time < np.inf:    # with gravity
+            unsure &= sizes(flow.particles.u) * flow.wave_time < straining.RAPID * flow.spacing
+            if np.any(unsure):
+                _fit_with_walls(out, unsure, f, flow, along, None)
 
     def complete(self, out: Floats, flow: "Flow") -> None:
         """Add the effect of a non-uniform body force and of vorticity."""
