@@ -3,6 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.fields import FLUID
 from parisph.case.schema import Tank
 from parisph.driver.solid_walls import elements_of
 from parisph.geometry import build as geometry
@@ -48,6 +49,27 @@ class Watch:
     def destroy(self):
         """Free the halo. Collective."""
         self.domain.destroy()
+
+
+def at_walls(watch, walls, plain=None):
+    """Let the fluid of a Watch represent the half cells of walls that its lattice is beside, as after a start.
+
+    walls : (axis, place) of each; plain : Watch of the same scene before particles were moved
+    """
+    p, x = watch.particles, (plain or watch).particles.x
+    s = watch.domain.elements.spacing
+    beside = [np.where(np.abs(np.abs(x[:, axis] - place) - s) < 1e-6 * s, 1.5, 1.0) for axis, place in walls]
+    p.beside[:] = np.where(p.kind == FLUID, np.prod(beside, axis=0) - 1.0, 0.0)
+    return watch
+
+
+def mirrored(x, walls):
+    """Return places (n, dim) and their images behind each wall, in whose Voronoi diagram cells end at walls."""
+    images = [x]
+    for axis, place in walls:
+        images.append(x.copy())
+        images[-1][:, axis] = 2.0 * place - x[:, axis]
+    return np.concatenate(images)
 
 
 def only(found):

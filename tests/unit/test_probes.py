@@ -32,7 +32,7 @@ from parisph.watch import instruments
 from parisph.watch.gauges import bodies
 from parisph.watch.probes.surface_gauge import surface_height
 from parisph.watch.sampling import ProbeScene, Sampler
-from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
+from tests.watched import DENSITY, G, Watch, add_fluid, at_walls, mirrored, only, scene
 
 S = 0.05
 
@@ -357,7 +357,7 @@ def test_current_volumes_are_refused_in_3d():
 # -- volume -------------------------------------------------------------------------------
 
 def cell_by_clipping(i, x):
-    """The area of the Voronoi cell of x[i] among all x, half plane by half plane."""
+    """Return the area of the Voronoi cell of x[i] among all x, half plane by half plane, and its farthest corner."""
     corners = [np.array(c) for c in ((-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0))]
     for j in np.argsort(np.sum((x - x[i]) ** 2, axis=1))[1:40]:
         r, kept = x[j] - x[i], []
@@ -370,30 +370,37 @@ def cell_by_clipping(i, x):
                 kept.append(corner)
         corners = kept
     x, y = np.array(corners).T
-    return 0.5 * abs(x @ np.roll(y, 1) - y @ np.roll(x, 1))
+    return 0.5 * abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)), np.hypot(x, y).max()
 
 
-def inside_by_distance(p):
+SIDES = [(0, 0.0), (0, 1.0), (1, 0.0)]    # of a tank, axis and place
+
+
+def inside_by_distance(p, walls=SIDES):
+    """Return the particles whose cells count, and these cells: lists of 2.6 S know corners up to 1.3 S away."""
     away = np.linalg.norm(p.x[:, None] - p.x[None], axis=-1)
-    return np.flatnonzero((p.kind == FLUID) & (p.role == INNER)
-                          & (away[:, np.isin(p.role, (SURFACE, BALLISTIC))].min(axis=1) >= 2.1 * S)
-                          & (away[:, p.kind == WALL].min(axis=1) >= 1.5 * S))
+    deep = np.flatnonzero((p.kind == FLUID) & (p.role == INNER)
+                          & (away[:, np.isin(p.role, (SURFACE, BALLISTIC))].min(axis=1, initial=9.0) >= 2.1 * S))
+    fluid = np.flatnonzero(p.kind == FLUID)
+    sites = mirrored(p.x[fluid], walls)
+    cells = np.array([cell_by_clipping(np.flatnonzero(fluid == i)[0], sites) for i in deep])
+    return deep[cells[:, 1] < 1.3 * S], cells[cells[:, 1] < 1.3 * S, 0]
 
 
-@pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8, 1.2])
+@pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
 def test_volume_is_the_mean_cell_inside_the_fluid(jitter):
+    """Cells end at walls, and a particle that began beside them represents their half cells."""
     case = scene([Volume(name="v")], jitter=jitter, tank=(1.0, 1.0))
 
     def change(arrays):
         fluid = arrays["kind"] == FLUID
         arrays["x"][fluid] += build.jitter(case, arrays["id"], arrays["role"] == SURFACE)[fluid]
         arrays["role"][40] = BALLISTIC
-    watch = Watch(case, change=change)
+    watch = at_walls(Watch(case, change=change), SIDES, Watch(case))
     cell, count = watch.sample()["v"]
-    chosen = inside_by_distance(watch.particles)
-    areas = [cell_by_clipping(i, watch.particles.x) for i in chosen]
-    assert count == len(chosen) and 50 < count < 19 * 8
-    assert cell == pytest.approx(np.mean(areas) / S**2, rel=1e-12)
+    chosen, areas = inside_by_distance(watch.particles)
+    assert count == len(chosen) and 100 < count < 19 * 8
+    assert cell == pytest.approx(np.sum(areas) / np.sum(1.0 + watch.particles.beside[chosen]) / S**2, rel=1e-12)
     assert (cell == pytest.approx(1.0, abs=1e-12)) == (jitter == 0.0)
 
 
@@ -407,10 +414,12 @@ def test_a_squeezed_drop_has_a_smaller_volume():
 
 def test_a_cell_counts_as_what_its_particle_represents():
     """Fluid that has left a wall represents the half cell there besides its own."""
-    watch = Watch(scene([Volume(name="v")], tank=(1.0, 1.0)))
-    watch.particles.spare[:] = 0.5
+    watch = at_walls(Watch(scene([Volume(name="v")], tank=(1.0, 1.0))), SIDES)
+    p, (chosen, _) = watch.particles, inside_by_distance(watch.particles)
+    own = np.sum(1.0 + p.beside[chosen])
+    p.beside[:] += 0.5
     cell, count = watch.sample()["v"]
-    assert cell == pytest.approx(1.0 / 1.5, abs=1e-12) and count > 50
+    assert cell == pytest.approx(own / (own + 0.5 * len(chosen)), abs=1e-12) and count == len(chosen)
 
 
 def test_a_cell_that_nothing_closes_is_left_out():
@@ -419,9 +428,10 @@ def test_a_cell_that_nothing_closes_is_left_out():
         for name in arrays:
             arrays[name] = arrays[name][~hole]
     case = scene([Volume(name="v")], lid=True, depth=1.0)
-    whole, full = Watch(case).sample()["v"]
-    cell, count = Watch(case, change=change).sample()["v"]
-    assert full == 17 * 17 and whole == pytest.approx(1.0, abs=1e-12)
+    sides = [*SIDES, (1, 1.0)]
+    whole, full = at_walls(Watch(case), sides).sample()["v"]
+    cell, count = at_walls(Watch(case, change=change), sides).sample()["v"]
+    assert full == 19 * 19 - 4 and whole == pytest.approx(1.0, abs=1e-12)
     assert count < full - 5 and cell < 1.02
 
 
