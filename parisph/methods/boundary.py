@@ -46,9 +46,11 @@ class Boundary:
         return ("covered",)
 
     def claimed(self, flow: "Flow") -> Floats:
-        """Return the weights (n_all,) of particles, 0 for nodes whose half cells fluid does not represent.
+        """Return the weights (n_all,) of particles, 0 for nodes whose half cells fluid at its start does not represent.
 
-        They were dry in the last step, like a lid above the water. Convex edges are dry everywhere.
+        They are dry, like a lid above the water, or at a water line. Convex edges are dry everywhere. In steps, fluid
+        takes up half cells of dry walls too: with those of the last wet ones alone, P2 of the dam break at H/s = 80
+        errs by .06 to .07 instead of .03.
         """
         p = flow.particles
         fluid = (p.kind_all == FLUID) | (p.role_all == WET) | (p.edge_all == CONVEX)

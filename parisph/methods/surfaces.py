@@ -40,10 +40,9 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.step.force, dt)
     also = flow.walls.cover(flow)
     if flow.half_cells:
-        weight = flow.walls.claimed(flow)
-        halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, weight)
+        halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, p.weight_all)
         d.update("share", "spare")
-        halves.wall_share(p.share_all, flow.cloud, weight)
+        halves.wall_share(p.share_all, flow.cloud, p.weight_all)
         also = (*also, "share")
     flow.step.completions.clear()
     d.update("closing", *also)

@@ -126,13 +126,18 @@ def test_what_is_filled_has_names_of_its_own():
     assert len(set(names)) == len(names) == 10
 
 
+def clear():
+    build.scene_mesh.cache_clear()
+    mesh._wall_mesh.cache_clear()
+
+
 def test_walls_that_an_earlier_release_divided_otherwise_are_not_taken_for_the_same(monkeypatch):
     case = in_tank(Disc(S, at=(1.0, 0.3)))
-    mesh._wall_mesh.cache_clear()
+    clear()
     monkeypatch.setattr(mesh, "BEND", 10.0)
     run = simulated(case)
     monkeypatch.undo()
-    mesh._wall_mesh.cache_clear()
+    clear()
     with pytest.raises(CaseError, match="the checkpoint has 87 particles on walls, and this release has 89 for them:"):
         elements_of(case, run.particles)
 
