@@ -112,7 +112,7 @@ def remember_beside(flow: Flow) -> None:
     Each is divided by the measure of the steps, so that water at its walls carries few away (halves.claims).
     """
     if flow.half_cells:
-        p, weight = flow.particles, flow.walls.claimed(flow)
+        p, weight = flow.particles, flow.walls.claimed_at_start(flow)
         p.share_all[:] = p.kind_all == FLUID
         halves.wall_share(p.share_all, flow.cloud, weight)
         flow.domain.update("share")

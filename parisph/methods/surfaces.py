@@ -40,9 +40,10 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.step.force, dt)
     also = flow.walls.cover(flow)
     if flow.half_cells:
-        halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, p.weight_all)
+        weight = flow.walls.claimed(flow)
+        halves.claims(p.share_all, p.spare_all, flow.cloud, p.beside, weight)
         d.update("share", "spare")
-        halves.wall_share(p.share_all, flow.cloud, p.weight_all)
+        halves.wall_share(p.share_all, flow.cloud, weight)
         also = (*also, "share")
     flow.step.completions.clear()
     d.update("closing", *also)

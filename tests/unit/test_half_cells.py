@@ -1,5 +1,6 @@
 """Surface particles that stand for half a cell: p = 0 is at their centres, else half a layer outside."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -59,11 +60,11 @@ def on_lattice(cells, level):
     p = SimpleNamespace(kind_all=pool.kind, role_all=pool.role, x_all=pool.x, x=pool.x, n_owned=pool.n, n_all=pool.n,
                         dim=pool.dim, weight_all=weight, covered_all=covered, edge_all=0, share_all=np.ones(pool.n),
                         half=np.zeros(pool.n, np.int8), beside=np.full(pool.n, np.nan))
+    claimed = partial(Boundary.claimed_at_start, None)
     flow = SimpleNamespace(particles=p, spacing=s, half_cells=True, cloud=pool.cloud,
                            cells=np.where(pool.fluid, wide.prod(axis=1), 0.0),
                            domain=SimpleNamespace(update=lambda *names: None),
-                           walls=SimpleNamespace(cover=lambda flow: (),
-                                                 claimed=lambda flow: Boundary.claimed(None, flow)))
+                           walls=SimpleNamespace(cover=lambda flow: (), claimed_at_start=claimed))
     return flow, pool
 
 
