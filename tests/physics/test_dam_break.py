@@ -86,7 +86,7 @@ def test_volume_and_energy(fall):
     found, _ = fall
     cell, energy = found.probe("volume")["cell"], found.probe("energy")["total"]
     assert np.abs(cell - 1.0).max() < 0.011
-    assert energy.max() < 1.0012 * energy[0], "nothing feeds it"
+    assert energy.max() < 1.0014 * energy[0], "nothing feeds it"    # six starts: 1.0007 to 1.0012
     before, after = np.interp([1.45 * UNIT, 2.0 * UNIT], found.probe("energy")["time"], energy)
     assert before > 0.997 * energy[0], "nothing takes it before the impact"
     assert after > 0.93 * energy[0], "what an impact takes with so few particles"
