@@ -19,8 +19,8 @@ start each, jittered by .2:
     H2 at .5 and .75 s [m]          .067  .110                .072  .117                .099  .140
     highest energy over the start   1.0010                    1.0001
 
-The sheet that climbs the box is thinner than three particles, so P3 and P4 are too low. With the spacing of .055, no
-water has come behind the box by 1 s (.15 m at H3).
+P3 and P4, high on the box, stay too low. With the spacing of .055, no water has come behind the box by 1 s (.15 m at
+H3).
 
 interFoam with 161 x 50 x 50 cells has a peak of P2 1.5 % too high that comes 3.5 % late, and mean errors of 4.3 and
 2.1 % of the levels H2 and H4.
