@@ -47,10 +47,10 @@ AnyFilling = Filling | LayeredFilling
 
 @lru_cache(maxsize=2)
 def scene_mesh(case: Scene) -> WallMesh | None:
-    """Return the mesh of all walls of a case, or None without walls. Cached: callers must not change it.
+    """Return the mesh of all walls of a case, or None without walls. Raises CaseError.
 
-    Nodes are at their positions at t = 0. `bodies[k].motion` numbers the motion in `scene_motions`, and `bodies` are
-    the walls of geometry.spans.scene_walls.
+    Cached: callers must not change it. Nodes are at their positions at t = 0. `bodies[k].motion` numbers the motion in
+    `scene_motions`, and `bodies` are the walls of geometry.spans.scene_walls.
     """
     if case.dim == 3:
         mesh = room_mesh(case) if case.surfaces else extruded(case) if case.bodies else None

@@ -24,12 +24,12 @@ def on_walls(mesh: WallMesh, spacing: float) -> WallMesh:
         return mesh
     x, corners, near = mesh.x0[ends], mesh.corners(), ON * spacing
     low, high = corners.min(axis=1) - near, corners.max(axis=1) + near
-    close = np.flatnonzero(((low <= x.max(axis=0)) & (high >= x.min(axis=0))).all(axis=1))
-    unit, normal = unit_normals(corners[close]), mesh.normal0.copy()
-    moves = motion[mesh.element_body[close]]
+    close = ((low <= x.max(axis=0)) & (high >= x.min(axis=0))).all(axis=1)
+    corners, low, high, moves = corners[close], low[close], high[close], motion[mesh.element_body[close]]
+    unit, normal = unit_normals(corners), mesh.normal0.copy()
     for end, at in zip(ends, x):
-        here = (moves < motion[mesh.body[end]]) & ((low[close] <= at) & (high[close] >= at)).all(axis=1)
-        here &= np.abs(np.sum((at - corners[close, 0]) * unit, axis=1)) <= near
+        here = (moves < motion[mesh.body[end]]) & ((low <= at) & (high >= at)).all(axis=1)
+        here &= np.abs(np.sum((at - corners[:, 0]) * unit, axis=1)) <= near
         normal[end] = _of_corner(normal[end], unit[here])
     return replace(mesh, normal0=normal)
 

@@ -243,13 +243,16 @@ class LeastSquares(Gradient):
             _bend(out, flow, bending, INNER, self.form(flow.spacing), NEVER, NEVER)
 
 
-def _fit_with_walls(out: Floats, where: Flags, f: Floats, flow: "Flow", along: Floats | None,
-                    laplacian: Floats | None) -> Flags:
-    """Write the harmonic fit that knows the slopes across walls; return where it exists. Arguments as of `write`."""
+def _fit_with_walls(out: Floats, where: Flags, f: Floats, flow: "Flow", reach: float, along: Floats | None,
+                    laplacian: Floats | None = None) -> Flags:
+    """Write the harmonic fit that knows the slopes across walls; return where it exists (n_owned,) bool.
+
+    where : (n_owned,) bool, particles at which `out` may change; reach : of the fit [spacings]; others as of `write`
+    """
     slopes = Slopes(flow.walls.slope(flow, along), flow.walls.known_slopes(flow))
     found: Flags = harmonic_gradient.harmonic_gradient(
         out, where, flow.cloud, f, slopes, np.empty(0) if laplacian is None else laplacian,
-        lengths.WALL * flow.spacing, INFLATION)
+        reach * flow.spacing, INFLATION)
     return found
 
 
@@ -271,7 +274,7 @@ class Cubic(MixedGradient):
 
     def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
               laplacian: Floats | None = None) -> None:
-        found = _fit_with_walls(out, np.ones(len(out), np.bool_), f, flow, along, laplacian)
+        found = _fit_with_walls(out, np.ones(len(out), np.bool_), f, flow, self.reach, along, laplacian)
         self.fit(out, found, f, flow, along)
 
     def complete(self, out: Floats, flow: "Flow") -> None:
@@ -351,12 +354,11 @@ class HarmonicSurface(Gradient):
 
     def write(self, out: Floats, f: Floats, flow: "Flow", along: Floats | None = None,
               laplacian: Floats | None = None) -> None:
-        unsure = gradient.harmonic_gradient(out, flow.cloud, f, lengths.WALL * flow.spacing, INFLATION,
-                                            self.most(flow))
+        unsure = gradient.harmonic_gradient(out, flow.cloud, f, self.reach * flow.spacing, INFLATION, self.most(flow))
         if flow.wave_time < np.inf:    # with gravity
             unsure &= sizes(flow.particles.u) * flow.wave_time < straining.RAPID * flow.spacing
             if np.any(unsure):
-                _fit_with_walls(out, unsure, f, flow, along, None)
+                _fit_with_walls(out, unsure, f, flow, self.reach, along)
 
     def complete(self, out: Floats, flow: "Flow") -> None:
         """Add the effect of a non-uniform body force and of vorticity."""

@@ -39,6 +39,8 @@ COARSE = {
     "violent_sloshing": {"spacing": 0.02, "end_time": 0.2},
     "wet_bed": {"spacing": 0.009375, "end_time": 0.04},
 }
+# A scene with few deep cells, of which many are at walls: how far their mean may be off. Elsewhere it is .01.
+VOLUME = {"dam_break_lobovsky": 0.015}
 NAMES = sorted(path.stem for path in (Path(ROOT) / "cases").glob("*.py"))
 
 
@@ -50,7 +52,8 @@ def test_runs_to_its_end_and_keeps_its_water(tmp_path, monkeypatch, name):
     summary = run_alone(case, tmp_path / "run")
     assert summary["status"].startswith("completed") and summary["steps"] >= 5
     assert summary["left"]["particles"] == 0
-    assert -0.015 < summary["volume_range"]["low"] <= summary["volume_range"]["high"] < 0.015    # few cells are deep
+    most = VOLUME.get(name, 0.01)
+    assert -most < summary["volume_range"]["low"] <= summary["volume_range"]["high"] < most
     made = open_run(tmp_path / "run")
     for probe in case.probes:
         found = made.probe(probe.name)

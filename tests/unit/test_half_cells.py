@@ -118,6 +118,23 @@ def test_fluid_represents_no_half_cells_of_a_lid_above_it(gap):
     assert p.beside.sum() == pytest.approx(0.5 * 9 + 0.25 * 2 + 0.5 * 2 * wet, rel=1e-6 if gap == 1.0 else 0.03)
 
 
+def test_fluid_takes_up_half_cells_of_a_dry_bed_but_not_of_a_lid_that_it_does_not_touch():
+    case = Case(title="half cells", fluid=Fluid(Box(0.5, 0.9), density=1000.0), walls=Tank(1.0, 1.0, True),
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), end_time=1.0)
+    s = simulated(case)
+    s.solve_start()
+    p, claimed = s.particles, s.method.flow.walls.claimed(s.method.flow)[:s.particles.n_owned]
+    lid = (p.kind == WALL) & (p.x[:, 1] == 1.0)
+    assert np.all(p.role[lid] != WET) and not claimed[lid & ~on_sides(p.x)].any()
+    bed = (p.kind == WALL) & (p.x[:, 1] == 0.0)
+    assert np.any(p.role[bed] == DRY)
+    np.testing.assert_array_equal(claimed[bed], p.weight[bed])
+
+
+def on_sides(x):
+    return (x[:, 0] == 0.0) | (x[:, 0] == 1.0)
+
+
 def test_packed_water_carries_hardly_any_half_cells_at_its_start():
     """Not one on a slope either: the steps measure what is beside walls as the start did."""
     case = Case(title="half cells", fluid=Fluid(StillWater(0.4), density=1000.0), walls=[Tank(1.5, 1.0), SLOPE],
