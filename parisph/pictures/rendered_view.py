@@ -30,6 +30,7 @@ GLASS = (0.1, 0.6)    # opacity of walls between the eye and the water, and of t
 CLEAR = 0.75    # opacity of water with bodies in it
 DROP, BALL = 0.35, 0.5    # radii in spacings, of particles alone, and of all without a surface
 PRESSURE = "pressure on bodies"
+LABEL = 1.8, 0.8    # length of that label, and breadth of the numbers and the label of a colour bar [inch]
 
 
 class RenderedView(ColouredView):
@@ -76,7 +77,10 @@ class RenderedView(ColouredView):
 
     def add_colour_bar(self, picture: "FigureBase", axes: "Axes | Sequence[Axes]", shown: "ScalarMappable | None",
                        snapshots: Sequence[Mapping[str, Any]], place: Place = (1.02, 0.0, 0.02, 1.0)) -> None:
-        """Add the colour bar, and that of the pressure on bodies below it. Parameters as of ColouredView."""
+        """Add the colour bar, and that of the pressure on bodies below it, or beside it in a picture that is too low.
+
+        Parameters as of ColouredView.
+        """
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
 
@@ -84,9 +88,13 @@ class RenderedView(ColouredView):
             super().add_colour_bar(picture, axes, shown, snapshots, place)
             return
         left, low, wide, high = place
-        super().add_colour_bar(picture, axes, shown, snapshots, (left, low + 0.54 * high, wide, 0.46 * high))
-        bar = picture.colorbar(ScalarMappable(Normalize(*self.load), "viridis"),
-                               cax=axes.inset_axes((left, low, wide, 0.46 * high)))
+        span = axes.get_window_extent()
+        if 0.46 * high * span.height > LABEL[0] * picture.dpi:
+            first, second = (left, low + 0.54 * high, wide, 0.46 * high), (left, low, wide, 0.46 * high)
+        else:
+            first, second = place, (left + wide + LABEL[1] * picture.dpi / span.width, low, wide, high)
+        super().add_colour_bar(picture, axes, shown, snapshots, first)
+        bar = picture.colorbar(ScalarMappable(Normalize(*self.load), "viridis"), cax=axes.inset_axes(second))
         bar.set_label(f"{PRESSURE} [{self._pressure[1]}]")
         bar.ax.spines["outline"].set_linewidth(0.5)
 

@@ -217,12 +217,12 @@ def discs(axes: "Axes", x: Floats, diameter: float, **how: Any) -> "EllipseColle
 
 
 def save_small(picture: "Figure", path: AnyPath) -> None:
-    """Write a figure as a PNG with 64 colours, a third of the size. Raises StoreError."""
+    """Write a figure as a PNG with 256 colours, half the size. Raises StoreError."""
     from PIL import Image  # matplotlib needs it
 
     drawn = io.BytesIO()
     picture.savefig(drawn, format="png", dpi=90, bbox_inches="tight")
-    small = Image.open(drawn).convert("RGB").quantize(64)
+    small = Image.open(drawn).convert("RGB").quantize(256)
     with failing_as(f"write the picture {path}"), replacing(path) as new:
         small.save(new, format="png", optimize=True)
 

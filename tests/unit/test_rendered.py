@@ -1,13 +1,14 @@
 """Rendered views: where they look from, what they show, and what they say without their libraries."""
 
 import importlib.util
+import io
 import sys
 
 import numpy as np
 import pytest
 
 from parisph.base.errors import CaseError, MissingLibrary
-from parisph.pictures import movies, orders, view, water
+from parisph.pictures import movies, orders, style, view, water
 from parisph.pictures.colouring import Look
 from parisph.pictures.rendering import Eye
 from tests.flows_in_3d import S, written
@@ -66,6 +67,20 @@ def test_a_rendered_view_shows_water_walls_and_pressure_on_bodies(run, tmp_path)
     made, = orders.plot([run], view="3d", camera=(10.0, 5.0))
     assert made.name == "flow_speed_0.2000s_3d.png"
     assert movies.movie(run, tmp_path / "a.gif", "speed", dpi=30, view="3d").exists()
+
+
+@renders
+@pytest.mark.parametrize("width", [3.0, 8.0])
+def test_labels_of_two_colour_bars_do_not_overlap_in_a_picture_of_any_size(run, width):
+    shown = run.snapshot(-1)
+    drawn = view.view_of(run.scene, [shown], Look("speed", view=view.SOLID))
+    picture = style.new_figure(figsize=drawn.size(width), layout="compressed")
+    axes = picture.add_subplot()
+    colours = drawn.draw(axes, shown, drawn.limits([shown], whole=True), label=False)
+    drawn.add_colour_bar(picture, axes, colours, [shown])
+    picture.savefig(io.BytesIO())
+    first, second = (bar.yaxis.label.get_window_extent() for bar in axes.child_axes)
+    assert not first.overlaps(second) and (first.x0 < second.x0 - 1.0) == (width < 4.0)
 
 
 @renders
