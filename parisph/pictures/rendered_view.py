@@ -88,11 +88,11 @@ class RenderedView(ColouredView):
             super().add_colour_bar(picture, axes, shown, snapshots, place)
             return
         left, low, wide, high = place
-        span = axes.get_window_extent()
-        if 0.46 * high * span.height > LABEL[0] * picture.dpi:
+        span, dpi = axes.get_window_extent(), axes.figure.dpi
+        if 0.46 * high * span.height > LABEL[0] * dpi:
             first, second = (left, low + 0.54 * high, wide, 0.46 * high), (left, low, wide, 0.46 * high)
         else:
-            first, second = place, (left + wide + LABEL[1] * picture.dpi / span.width, low, wide, high)
+            first, second = place, (left + wide + LABEL[1] * dpi / span.width, low, wide, high)
         super().add_colour_bar(picture, axes, shown, snapshots, first)
         bar = picture.colorbar(ScalarMappable(Normalize(*self.load), "viridis"), cax=axes.inset_axes(second))
         bar.set_label(f"{PRESSURE} [{self._pressure[1]}]")
