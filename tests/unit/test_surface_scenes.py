@@ -17,6 +17,7 @@ from parisph import (
     RunUp,
     StillWater,
     Surface,
+    Sway,
     Tank,
 )
 from parisph.base.errors import CaseError
@@ -227,6 +228,20 @@ def test_friction_acts_on_a_surface_in_a_tank_to_which_fluid_sticks(tmp_path):
     assert scene(sticky, rock, friction=Friction()).physics == {"friction"}
     with pytest.raises(CaseError, match="along which fluid slips, and this scene has none"):
         scene(sticky, rock.model_copy(update={"slip": "none"}), friction=Friction())
+
+
+def test_bodies_that_move_into_a_surface_are_refused_with_time_and_place(tmp_path):
+    """The obstacle is .3 m from the rock, and is a quarter of a spacing inside when it has swayed by .325 m."""
+    rock = surface(tmp_path, box((0.4, 0.4, 0.3), (1.3, 0.3, 0.0)), name="rock")
+
+    def moving(amplitude):
+        block = Obstacle(Box(0.4, 0.2, at=(0.6, 0.05)), across=(0.3, 0.7), name="block",
+                         motion=Sway(amplitude, 2.0))
+        return scene(TANK, rock, block)
+
+    said = told(moving(0.4))
+    assert said.startswith("walls, block: its Sway brings it into rock at t = 0.") and "at (1.3" in said
+    scene_checks.check(moving(0.2))
 
 
 def test_stored_case_gives_the_same_scene(tmp_path):
