@@ -23,7 +23,8 @@ from parisph.case.motion import AtRest, Translation
 from parisph.case.probes import singles
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
-from parisph.case.shapes import Box, Lid, Tank
+from parisph.case.shapes import ENDS, Box, Lid, Tank
+from parisph.case.surface_body import Surface
 from parisph.case.time_scales import SAMPLES, sample
 from parisph.case.values import LARGEST
 
@@ -80,6 +81,9 @@ def _compressible(case: Scene) -> Iterator[str]:
                    "whole tank as frame=")
         if (body.sticky or isinstance(body.lid, Lid)) if isinstance(body, Tank) else body.slip == "none":
             yield f"walls, {name}: {lacks} no friction on walls; {choose}, or leave no_slip, slip and Lid out"
+    for surface in case.surfaces:
+        if surface.slip == "none":
+            yield f"walls, {surface.name}: {lacks} no friction on walls; {choose}, or leave slip out"
 
 
 def _forces(case: Scene) -> Iterator[str]:
@@ -104,7 +108,7 @@ def _friction(case: Scene) -> Iterator[str]:
     law, s = case.friction, case.numerics.spacing
     if law is None:
         return
-    if all(_sticks(body) for body in case.bodies):
+    if all(_sticks(body, case.dim) for body in case.all_bodies):
         yield ("friction: acts on walls along which fluid slips, and this scene has none; leave it out, "
                "or make walls without no_slip")
     if law.roughness > s:
@@ -112,10 +116,11 @@ def _friction(case: Scene) -> Iterator[str]:
                "above it; use a larger spacing, or make the roughness a part of the walls")
 
 
-def _sticks(body: Body) -> bool:
+def _sticks(body: Body | Surface, dim: int) -> bool:
     """Return whether all of a body is no-slip."""
     if isinstance(body, Tank):
-        return {"left", "right", "bottom", *(("top",) if body.closed else ())} <= set(body.sticky)
+        sides = {"left", "right", "bottom", *(("top",) if body.closed else ()), *(ENDS if dim == 3 else ())}
+        return sides <= set(body.sticky)
     return body.slip == "none"
 
 

@@ -27,7 +27,8 @@ def components(case: Scene, **points: Sequence[float]) -> Iterator[str]:
     """Each point must have as many components as the scene has dimensions."""
     for name, x in points.items():
         if len(x) != case.dim:
-            yield f"{name} = {x} must have {case.dim} components"
+            axes = "(x, y, z), with y across and z up" if case.dim == 3 else "(x, y), as the scene is 2D"
+            yield f"{name} = {x} must have {case.dim} components; give {axes}"
 
 
 def line(case: Scene, start: Sequence[float], end: Sequence[float]) -> Iterator[str]:
@@ -35,13 +36,17 @@ def line(case: Scene, start: Sequence[float], end: Sequence[float]) -> Iterator[
     found = list(components(case, start=start, end=end))
     yield from found
     if not found and start == end:
-        yield f"start and end = {start}: must be two points"
+        yield f"start and end = {start}: must be two points; move one of them"
 
 
-def body(case: Scene, on: str) -> Iterator[str]:
-    """A body must have this name."""
-    names = body_names(case.bodies)
+def body(case: Scene, on: str, surfaces: bool = False) -> Iterator[str]:
+    """A body must have this name. surfaces : whether a Surface will do"""
+    names, files = body_names(case.bodies), [surface.name for surface in case.surfaces]
     if not names:
         yield "there is no tank; give walls=Tank(...) or leave the probe out"
-    elif on not in names:
-        yield f"on = {on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
+    elif on in files and not surfaces:
+        yield (f"on = {on!r}: a Surface has no section in which this is measured; give another body, or gauges above "
+               "the Surface")
+    elif on not in names + files:
+        known = names + files * surfaces
+        yield f"on = {on!r}: there is no body of this name; there is {', '.join(map(repr, known))}"

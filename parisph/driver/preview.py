@@ -67,7 +67,9 @@ def _geometry(case: Case) -> Iterator[tuple[str, str]]:
     names += [surface.name for surface in case.surfaces]
     yield "walls", f"{', '.join(names)}: {known.elements} elements"
     s = case.numerics.spacing
-    gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {' and '.join(known.between)}"
+    others = " (of the walls without Surfaces: a warning tells of thin fluid beside these)" if case.surfaces else ""
+    between = " and ".join(known.between) + others
+    gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {between}"
            if math.isfinite(known.gap) else "no wall faces another")
     yield "gaps", gap + (f"; sharpest wedge {known.wedge:.3g} degrees" if known.wedge < 180.0 else "")
     yield "volume", (f"{known.volume:.6g} m{case.dim} exactly; the lattice has {known.lattice:.6g} "

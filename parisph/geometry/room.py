@@ -114,7 +114,8 @@ def _left(pieces: Sequence[Piece], spacing: float) -> tuple[Floats, Ints]:
     number, place = np.unique(part, return_inverse=True)
     sizes = np.array([signed_volume(points[corners[place == one]]) for one in range(len(number))])
     if not np.any(sizes > SMALL * spacing**3):
-        raise CaseError("walls: no room is left for the fluid between them")
+        raise CaseError("walls: no room is left for the fluid between them; make the solids smaller, move them, or "
+                        "check the scale of their files")
     return points, corners[(np.abs(sizes) > SMALL * spacing**3)[place]]
 
 

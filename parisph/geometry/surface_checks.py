@@ -4,13 +4,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from parisph.base.arrays import Floats, Ints
+from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.text import point, rounded_down
+from parisph.case.bodies import motion_of
+from parisph.case.motion import AtRest
 from parisph.case.scene import Scene
+from parisph.case.scenery import body_names
 from parisph.case.surface_body import Surface
-from parisph.geometry.distance import unit_normals
+from parisph.geometry.distance import nearest, unit_normals
 from parisph.geometry.inside import floors
+from parisph.geometry.mesh import WallMesh
 from parisph.geometry.scene_room import is_known, room_mesh, scene_room
 from parisph.geometry.surface_files import Triangles, crossing, read
 
@@ -18,6 +22,8 @@ LARGE = 20.0     # sizes of the scene: a larger solid is probably in another uni
 GAP = 2.0        # spacings that flow between two walls needs, and between two sides of a wall
 FACING = -0.7    # cosine between the normals of walls that face each other
 BESIDE = 0.6     # spacings: elements this far apart along the wall are opposite each other
+INSIDE = 0.25    # spacings: a wall this far inside a solid has run into it, as in geometry.encounters
+MOST = 200       # times at which a moving body is looked at
 
 
 def faults(case: Scene) -> list[str]:
@@ -32,7 +38,7 @@ def faults(case: Scene) -> list[str]:
             found.append(str(error))
     if not found:
         try:
-            room_mesh(case)
+            found += _run_into(case, room_mesh(case))
         except CaseError as error:
             found.append(str(error))
     return found
@@ -78,6 +84,34 @@ def _bare(case: Scene, surface: Surface, bed: Triangles) -> Iterator[str]:
                f"{len(plan):,} places of the scene, the first at {point(bare[0])}: it must cover x from {left:g} to "
                f"{right:g} and y from {front:g} to {back:g}, and reaches from {point(low[:2])} to {point(high[:2])}; "
                "extend it, make the scene smaller, or close it if it is a solid")
+
+
+def _run_into(case: Scene, mesh: WallMesh) -> Iterator[str]:
+    """Bodies that move into a closed Surface. What is inside it at the start, as the foot of a flap, does not count."""
+    solids = [(one, read(one)) for one in case.surfaces if one.side != "inside" and read(one).closed]
+    for name, body in zip(body_names(case.bodies), case.bodies):
+        motion = motion_of(body)
+        if isinstance(motion, AtRest) or not solids:
+            continue
+        x = mesh.x0[mesh.body == [own.name for own in mesh.bodies].index(name)]
+        times = motion.instants(case.end_time)
+        for surface, triangles in solids:
+            free = ~_deep(x, triangles, case.numerics.spacing)
+            for t in times[:: 1 + len(times) // MOST].tolist():
+                reached = motion.placed(x[free], t)
+                reached = reached[_deep(reached, triangles, case.numerics.spacing)]
+                if len(reached):
+                    yield (f"walls, {name}: its {type(motion).__name__} brings it into {surface.name} at t = {t:.3g} "
+                           f"s, at {point(np.round(reached[0], 6))}; must stay clear of it: move less far, or move one "
+                           "of them")
+                    break
+
+
+def _deep(x: Floats, solid: Triangles, spacing: float) -> Flags:
+    """Return which points x (n, 3) [m] are in a solid, and farther than INSIDE spacings from its surface, (n,) bool."""
+    found: Flags = floors(x, solid.places, spacing) != 0
+    found[found] = np.isinf(nearest(x[found], solid.places, within=INSIDE * spacing)[0])
+    return found
 
 
 def _crossings(case: Scene) -> Iterator[str]:

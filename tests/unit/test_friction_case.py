@@ -40,6 +40,10 @@ def test_one_wall_to_slip_along_is_enough():
     free = Obstacle(Box(width=0.3, height=0.3, at=(1.5, 0.0)))
     assert scene(Friction(), (sticky, free)).physics == {"friction"}
     assert scene(Friction(), Tank(2.0, 2.0, lid=True, no_slip=("left", "right", "bottom"))).friction == Friction()
+    # in 3D, water slips along the front and the back
+    assert scene(Friction(), Tank(2.0, 2.0, breadth=1.0, no_slip=("left", "right", "bottom"))).friction == Friction()
+    with pytest.raises(CaseError, match="this scene has none"):
+        scene(Friction(), Tank(2.0, 2.0, breadth=1.0, no_slip=True))
 
 
 def test_only_a_scene_with_friction_pays_for_it():

@@ -2,8 +2,24 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Obstacle, Plate, Profile, StillWater, Surface, Tank
+from parisph import (
+    Box,
+    Case,
+    Fluid,
+    Force,
+    Friction,
+    Numerics,
+    Obstacle,
+    Plate,
+    Profile,
+    RunUp,
+    StillWater,
+    Surface,
+    Sway,
+    Tank,
+)
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, SURFACE, WALL, WET
 from parisph.driver.conservation import has_level
@@ -11,6 +27,7 @@ from parisph.geometry import build, scene_checks, scene_room
 from parisph.geometry.room_filling import below
 from parisph.watch.sampling import ProbeScene
 from tests.triangles import box, sheet, sphere, write_stl
+from tests.watched import DENSITY, G, Watch
 
 for name in ("trimesh", "manifold3d", "pymeshlab"):
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
@@ -19,9 +36,9 @@ S, LEVEL = 0.1, 0.6
 TANK = Tank(width=2.0, height=1.0, breadth=1.0)
 
 
-def scene(*walls, level=LEVEL, **fields):
+def scene(*walls, level=LEVEL, method="ISPH_R", **fields):
     return Case(title="Surfaces", fluid=Fluid(StillWater(level=level), 1000.0), walls=walls, gravity=(0.0, -9.81),
-                numerics=Numerics(spacing=S), end_time=1.0, **fields)
+                numerics=Numerics(spacing=S, method=method), end_time=1.0, **fields)
 
 
 def surface(folder, corners, **fields):
@@ -181,6 +198,50 @@ def test_scenes_that_surfaces_do_not_fit_are_refused(tmp_path):
         scene(TANK, rock, Plate(points=((0.5, 0.0), (0.5, 0.5))))
     with pytest.raises(CaseError, match="the name 'rock' is given 2 times"):
         scene(TANK, rock, rock)
+    with pytest.raises(CaseError, match="walls, rock: weakly compressible SPH has no friction on walls"):
+        scene(TANK, rock.model_copy(update={"slip": "none"}), method="SPH")
+    with pytest.raises(CaseError, match="on = 'rock': a Surface has no section in which this is measured; give"):
+        scene(TANK, rock, probes=[RunUp("up", on="rock", side="left", y=0.4)])
+    with pytest.raises(CaseError, match="side = 'left': only a tank has sides"):
+        scene(TANK, rock, probes=[Force("load", on="rock", side="left")])
+
+
+def test_force_on_a_surface_is_the_weight_of_the_water_in_its_place(tmp_path):
+    """Its sides push alike, but for what is extrapolated at their edges; it has no moment about its middle."""
+    rock = surface(tmp_path, box((0.6, 0.5, 0.4), (0.7, 0.25, 0.25)), name="rock")
+    case = scene(TANK, rock, level=0.9, probes=[Force("load", on="rock", about=(1.0, 0.5, 0.45))])
+
+    def still(arrays):
+        arrays["p"][:] = DENSITY * G * (0.9 - arrays["x"][:, 2])
+
+    watch = Watch(case, MPI.COMM_SELF, still)
+    found = watch.sample()["load"]
+    watch.destroy()
+    weight = DENSITY * G * 0.6 * 0.5 * 0.4
+    assert found[2] == pytest.approx(weight, rel=1e-6)
+    np.testing.assert_allclose(np.delete(found, 2), 0.0, atol=2e-3 * weight)
+
+
+def test_friction_acts_on_a_surface_in_a_tank_to_which_fluid_sticks(tmp_path):
+    rock = surface(tmp_path, box((0.4, 0.3, 0.3), (0.8, 0.3, 0.0)), name="rock")
+    sticky = Tank(width=2.0, height=1.0, breadth=1.0, no_slip=True)
+    assert scene(sticky, rock, friction=Friction()).physics == {"friction"}
+    with pytest.raises(CaseError, match="along which fluid slips, and this scene has none"):
+        scene(sticky, rock.model_copy(update={"slip": "none"}), friction=Friction())
+
+
+def test_bodies_that_move_into_a_surface_are_refused_with_time_and_place(tmp_path):
+    """The obstacle is .3 m from the rock, and is a quarter of a spacing inside when it has swayed by .325 m."""
+    rock = surface(tmp_path, box((0.4, 0.4, 0.3), (1.3, 0.3, 0.0)), name="rock")
+
+    def moving(amplitude):
+        block = Obstacle(Box(0.4, 0.2, at=(0.6, 0.05)), across=(0.3, 0.7), name="block",
+                         motion=Sway(amplitude, 2.0))
+        return scene(TANK, rock, block)
+
+    said = told(moving(0.4))
+    assert said.startswith("walls, block: its Sway brings it into rock at t = 0.") and "at (1.3" in said
+    scene_checks.check(moving(0.2))
 
 
 def test_stored_case_gives_the_same_scene(tmp_path):

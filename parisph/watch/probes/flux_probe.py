@@ -96,9 +96,9 @@ class Flux(Probe):
         elif len(self.start) == 2:
             low, high = case.breadth or (-np.inf, np.inf)
             if self.start == self.end:
-                yield f"start and end = {self.start}: must be two points"
+                yield f"start and end = {self.start}: must be two points; move one of them"
             if self.across is not None and not low <= self.across[0] < self.across[1] <= high:
-                yield f"across = {self.across} must lie within the breadth, from y = {low:g} to {high:g}"
+                yield f"across = {self.across} must lie within the breadth, from y = {low:g} to {high:g}; move it"
         elif self.across is not None:
             yield f"across = {self.across}: the corners (x, y, z) give the rectangle; leave it out"
         elif self.start[:2] == self.end[:2] or self.start[2] == self.end[2]:

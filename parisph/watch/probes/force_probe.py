@@ -50,7 +50,7 @@ class Force(OfPressure):
     In an impact the impulse is up to 4 % more than the momentum that the fluid loses: particles of the surface
     represent half a cell, and push as a whole one.
 
-    on : name of the body; side : of a tank, None for all of it
+    on : name of the body, also of a Surface; side : of a tank, None for all of it
     about : point of the moment [m]; in 3D (x, z) is a point of the section at y = 0
     still : height of the still level [m], for the dynamic part
     acted : whether to add the force that acts in the step, in the columns fx_acted, fy_acted and moment_acted
@@ -94,11 +94,11 @@ class Force(OfPressure):
             if force is None or force[:-1].any() or not force[-1] < 0.0:
                 yield (f"still = {self.still:g}: there is no hydrostatic force unless gravity is constant and straight "
                        "down; leave it out")
-        missing = list(probe_checks.body(case, self.on))
+        missing = list(probe_checks.body(case, self.on, surfaces=True))
         yield from missing
         if not missing:
-            kind = case.bodies[body_names(case.bodies).index(self.on)].kind
-            if kind != "tank" and self.side is not None:
+            kinds = dict(zip(body_names(case.bodies), (body.kind for body in case.bodies)))
+            if kinds.get(self.on) != "tank" and self.side is not None:
                 yield f"side = {self.side!r}: only a tank has sides; leave it out"
             elif self.side == "lid" and not case.lidded:
                 yield "side = 'lid': the tank has none; give it one, or choose another side"
