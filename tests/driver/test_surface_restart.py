@@ -10,9 +10,9 @@ from parisph.base.errors import StoreError
 from parisph.io import reader, room_file
 from tests.running import last_checkpoint
 from tests.scenes import assert_same, on_ranks
-from tests.triangles import sphere, write_stl
+from tests.triangles import LIBRARIES, sphere, write_stl
 
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 BODY = """
@@ -30,7 +30,7 @@ driver.run(fall(0.2), comm, "whole", progress=False)
 """
 THEN = """
 import sys
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     sys.modules[name] = None    # as if they were not installed
 driver.restart("whole/checkpoints/00000010.h5", comm, until=0.2, out="other", progress=False)
 """

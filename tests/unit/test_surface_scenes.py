@@ -26,10 +26,10 @@ from parisph.driver.conservation import has_level
 from parisph.geometry import build, scene_checks, scene_room
 from parisph.geometry.room_filling import below
 from parisph.watch.sampling import ProbeScene
-from tests.triangles import box, sheet, sphere, write_stl
+from tests.triangles import LIBRARIES, box, sheet, sphere, write_stl
 from tests.watched import DENSITY, G, Watch
 
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 S, LEVEL = 0.1, 0.6
