@@ -236,20 +236,23 @@ def test_scenes_that_surfaces_do_not_fit_are_refused(tmp_path):
         scene(TANK, rock, probes=[Force("load", on="rock", side="left")])
 
 
-def test_force_on_a_surface_is_the_weight_of_the_water_in_its_place(tmp_path):
-    """Its sides push alike, but for what is extrapolated at their edges; it has no moment about its middle."""
-    rock = surface(tmp_path, box((0.6, 0.5, 0.4), (0.7, 0.25, 0.25)), name="rock")
-    case = scene(TANK, rock, level=0.9, probes=[Force("load", on="rock", about=(1.0, 0.5, 0.45))])
+@pytest.mark.parametrize(("size", "at"), [((0.6, 0.5, 0.4), (0.7, 0.25, 0.25)),
+                                          ((0.6, 0.3, 0.3), (0.733, 0.281, 0.233))])    # three spacings wide
+def test_force_on_a_surface_is_the_weight_of_the_water_in_its_place(tmp_path, size, at):
+    """A linear pressure is known exactly, so that the sides push alike, and there is no moment about the middle."""
+    rock = surface(tmp_path, box(size, at), name="rock")
+    (x, y, z), height = np.array(at) + 0.5 * np.array(size), 0.9
+    case = scene(TANK, rock, level=height, probes=[Force("load", on="rock", about=(x, y, z))])
 
     def still(arrays):
-        arrays["p"][:] = DENSITY * G * (0.9 - arrays["x"][:, 2])
+        arrays["p"][:] = DENSITY * G * (height - arrays["x"][:, 2])
 
     watch = Watch(case, MPI.COMM_SELF, still)
     found = watch.sample()["load"]
     watch.destroy()
-    weight = DENSITY * G * 0.6 * 0.5 * 0.4
+    weight = DENSITY * G * np.prod(size)
     assert found[2] == pytest.approx(weight, rel=1e-6)
-    np.testing.assert_allclose(np.delete(found, 2), 0.0, atol=2e-3 * weight)
+    np.testing.assert_allclose(np.delete(found, 2), 0.0, atol=1e-5 * weight)
 
 
 def test_friction_acts_on_a_surface_in_a_tank_to_which_fluid_sticks(tmp_path):
