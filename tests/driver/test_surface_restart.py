@@ -30,7 +30,7 @@ driver.run(fall(0.2), comm, "whole", progress=False)
 """
 THEN = """
 import sys
-for name in LIBRARIES:
+for name in ("trimesh", "manifold3d", "pymeshlab"):
     sys.modules[name] = None    # as if they were not installed
 driver.restart("whole/checkpoints/00000010.h5", comm, until=0.2, out="other", progress=False)
 """
