@@ -15,11 +15,13 @@ from parisph import (
     Case,
     Energy,
     Fluid,
+    Force,
     Numerics,
     Output,
     SolitaryWave,
     StillWater,
     Surface,
+    SurfaceGauge,
     Tank,
     VelocityPoint,
 )
@@ -54,6 +56,9 @@ def case(
         probes=[
             VelocityPoint("slope", at=(1.9, 0.1, 0.2)),
             VelocityPoint("head", at=(2.4, 0.85, 0.12)),
+            SurfaceGauge("before", at=(1.4, 0.5 * BREADTH)),
+            SurfaceGauge("behind", at=(3.4, 0.5 * BREADTH)),
+            Force("load", on="breakwater", still=DEPTH),
             Energy("energy"),
         ],
         end_time=end_time,

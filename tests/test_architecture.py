@@ -25,7 +25,7 @@ ONLY_IN = {
     "scipy": ("geometry.triangles", "geometry.surface_checks", "methods.surface_load", "pictures.water"),
     "trimesh": ("geometry.surface_files",),
     "manifold3d": ("geometry.room",),
-    "pymeshlab": ("geometry.room", "geometry.surface_files"),
+    "pymeshlab": ("base.libraries",),    # which loads h5py before it
     "matplotlib": ("pictures", "study"),
     "pyvista": ("pictures.rendering",),
     "vtkmodules": ("pictures.rendering",),

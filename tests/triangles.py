@@ -4,6 +4,9 @@ import itertools
 
 import numpy as np
 
+# What Surfaces need, to be imported in this order: see parisph.base.libraries.pymeshlab.
+LIBRARIES = ("h5py", "trimesh", "manifold3d", "pymeshlab")
+
 
 def box(size, at=(0.0, 0.0, 0.0)):
     """Return the twelve triangles (12, 3, 3) [m] of a box with its lower corner `at`, normals outward."""

@@ -2,8 +2,9 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
+from typing import Any
 
 from parisph.base import surroundings
 from parisph.base.errors import MissingLibrary
@@ -71,7 +72,21 @@ def require(*names: str) -> None:
         raise MissingLibrary(f"{', '.join(broken)}: {_REMEDIES[names]}")
 
 
+def pymeshlab() -> Any:
+    """Return the module pymeshlab, loaded after h5py if that is installed. Not collective.
+
+    pymeshlab brings an old libnghttp2. If that is loaded first, the libcurl of HDF5 lacks a function, and h5py cannot
+    be loaded. Raises ImportError.
+    """
+    with suppress(Exception):    # what is wrong with h5py is told where it is needed
+        import_module("h5py")
+    return import_module("pymeshlab")
+
+
 def _import(name: str) -> None:
+    if name == "pymeshlab":
+        pymeshlab()
+        return
     if name not in _CONFIGURATION:
         import_module(name)
         return

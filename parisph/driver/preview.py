@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from parisph.base import memory, vocabulary
+from parisph.base.text import point
 from parisph.case import scales, size
 from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
@@ -67,8 +68,8 @@ def _geometry(case: Case) -> Iterator[tuple[str, str]]:
     names += [surface.name for surface in case.surfaces]
     yield "walls", f"{', '.join(names)}: {known.elements} elements"
     s = case.numerics.spacing
-    others = " (of the walls without Surfaces: a warning tells of thin fluid beside these)" if case.surfaces else ""
-    between = " and ".join(known.between) + others
+    between = " and ".join(dict.fromkeys(known.between))
+    between += f", at {point(known.at)} m" if known.at else ""
     gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {between}"
            if math.isfinite(known.gap) else "no wall faces another")
     yield "gaps", gap + (f"; sharpest wedge {known.wedge:.3g} degrees" if known.wedge < 180.0 else "")

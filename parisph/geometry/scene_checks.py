@@ -27,6 +27,7 @@ from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.quadrature import fluid_area
+from parisph.geometry.scene_room import scene_room
 from parisph.geometry.solid import Wall, signed_area, solid_of
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
@@ -44,8 +45,8 @@ class Facts:
     """What `parisph check` reports about the walls and the filling of a scene.
 
     elements : number of wall elements; gap : the least distance across fluid [m], inf without one; between : its two
-    bodies; wedge : the sharpest corner of the fluid [degrees], 180 without one; volume : exact, of all fluid at the
-    start [m^dim]; lattice : the sum of its particles' cells [m^dim]
+    bodies; at : where (3,) [m], beside a Surface, else (); wedge : the sharpest corner of the fluid [degrees], 180
+    without one; volume : exact, of all fluid at the start [m^dim]; lattice : the sum of its particles' cells [m^dim]
     """
 
     elements: int
@@ -54,6 +55,7 @@ class Facts:
     wedge: float
     volume: float
     lattice: float
+    at: tuple[float, ...] = ()
 
 
 def check(case: Scene) -> None:
@@ -108,6 +110,10 @@ def facts(case: Scene) -> Facts | None:
     across, between = breadth_checks.gaps(case)[0]
     if across < gap.gap:
         gap = replace(gap, gap=across, between=between)
+    if case.surfaces:
+        across, between, at = surface_checks.thinnest_gap(case)
+        if across < gap.gap:
+            gap = replace(gap, gap=across, between=between, at=tuple(np.round(at, 6).tolist()))
     mesh = scene_mesh(case)
     return replace(gap, elements=0 if mesh is None else len(mesh.elements), wedge=wedge, volume=volume(case),
                    lattice=_lattice(case))
@@ -212,7 +218,14 @@ def _met(walls: tuple[Wall, ...], case: Scene) -> tuple[Encounter, ...]:
 
 def _few(case: Scene) -> Iterator[str]:
     count = counts(case)["fluid"]
-    if count < LEAST:
+    if count >= LEAST:
+        return
+    s, level = case.numerics.spacing, float(case.fluid_bounds[1][-1]) if case.fluids else -np.inf
+    bottom = float(scene_room(case).nodes[:, 2].min()) if case.surfaces else -np.inf
+    if bottom > level - s:
+        yield (f"fluid: reaches up to z = {level:g} m, but the walls leave room from z = {bottom:.4g} m on, above "
+               f"{' and '.join(surface.name for surface in case.surfaces)}; raise its level, or move the bed by at=")
+    else:
         yield (f"numerics.spacing = {case.numerics.spacing:g}: leaves {count} fluid particles, at least {LEAST} are "
                "needed; use a smaller spacing")
 

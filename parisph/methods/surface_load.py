@@ -8,7 +8,9 @@ from parisph.base.arrays import Floats, Ints
 from parisph.geometry.distance import area_vectors, unit_normals
 from parisph.geometry.mesh import WallMesh
 
-RADIUS = 2.6    # [lengths of an edge] of the nodes from which the pressure at an edge is extrapolated
+# [lengths of an edge] of the nodes from which the pressure at an edge is extrapolated; with 2.6, slopes were lost on
+# faces three spacings wide, where a hydrostatic pressure gave a sideways force of 2 % of the buoyancy
+RADIUS = 3.3
 ALIKE = 0.9     # least cosine between the normals of the faces of two such nodes
 LEVEL = 0.02    # least share of the smaller eigenvalue of the moments of such nodes: below it, they lie on a line
 TIE = 1e-6      # of the radius: distances that differ by less are equal

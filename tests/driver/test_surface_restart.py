@@ -10,9 +10,9 @@ from parisph.base.errors import StoreError
 from parisph.io import reader, room_file
 from tests.running import last_checkpoint
 from tests.scenes import assert_same, on_ranks
-from tests.triangles import sphere, write_stl
+from tests.triangles import LIBRARIES, sphere, write_stl
 
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 BODY = """

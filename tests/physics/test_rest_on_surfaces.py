@@ -6,9 +6,9 @@ import pytest
 from parisph import Case, Fluid, Numerics, StillWater, Surface, Tank
 from parisph.base.fields import FLUID
 from tests.scenes import simulated
-from tests.triangles import sheet, sphere, write_stl
+from tests.triangles import LIBRARIES, sheet, sphere, write_stl
 
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 DEPTH, G = 0.6, 9.81

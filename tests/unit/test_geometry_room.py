@@ -9,9 +9,9 @@ from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, MeshBody
 from parisph.geometry.room import Piece, prism, room_of
 from parisph.geometry.surface_files import sound
 from parisph.geometry.triangle_mesh import edges_of, triangle_mesh
-from tests.triangles import box, sphere, volume
+from tests.triangles import LIBRARIES, box, sphere, volume
 
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 S = 0.1

@@ -1,5 +1,7 @@
 """Surfaces from files of triangles: what is read, mended and refused, with number and place."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -7,13 +9,14 @@ from parisph.base import paths
 from parisph.base.errors import CaseError
 from parisph.case.surface_body import Surface
 from parisph.geometry.surface_files import read, sound
-from tests.triangles import box, sheet, sphere, volume, write_stl
+from tests.launch import run, succeeded
+from tests.triangles import LIBRARIES, box, sheet, sphere, volume, write_stl
 
 CUBE = box((0.2, 0.3, 0.4), (1.0, 0.0, 0.0))
 
 
 def libraries():
-    for name in ("trimesh", "manifold3d", "pymeshlab"):
+    for name in LIBRARIES:
         pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 
@@ -142,3 +145,15 @@ def test_bed_that_overhangs_or_has_a_hole_is_refused():
         sound(folded, "bed")
     with pytest.raises(CaseError, match="has 2 holes"):
         sound(np.delete(bed, 45, axis=0), "bed")
+
+
+def test_runs_can_be_opened_after_a_surface_was_read(tmp_path):
+    """pymeshlab, loaded before h5py, makes HDF5 unloadable; no test of its own process would notice."""
+    libraries()
+    path = write_stl(tmp_path / "box.stl", CUBE)
+    succeeded(run([sys.executable, "-c", f"""
+from parisph.case.surface_body import Surface
+from parisph.geometry import surface_files
+assert surface_files.crossing(Surface(file={str(path)!r}))[0] == 0
+from parisph import open_run
+"""]))

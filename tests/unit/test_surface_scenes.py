@@ -12,6 +12,7 @@ from parisph import (
     Friction,
     Numerics,
     Obstacle,
+    Piston,
     Plate,
     Profile,
     RunUp,
@@ -26,10 +27,10 @@ from parisph.driver.conservation import has_level
 from parisph.geometry import build, scene_checks, scene_room
 from parisph.geometry.room_filling import below
 from parisph.watch.sampling import ProbeScene
-from tests.triangles import box, sheet, sphere, write_stl
+from tests.triangles import LIBRARIES, box, sheet, sphere, write_stl
 from tests.watched import DENSITY, G, Watch
 
-for name in ("trimesh", "manifold3d", "pymeshlab"):
+for name in LIBRARIES:
     pytest.importorskip(name, reason=f"{name} is not installed: pip install 'parisph[surfaces]'")
 
 S, LEVEL = 0.1, 0.6
@@ -183,6 +184,35 @@ def test_what_was_mended_and_what_is_thin_is_warned_of(tmp_path):
     assert len(walls) == 1 and walls[0].startswith("walls, slab: ") and "0.05 m or 0.5 spacings" in walls[0]
 
 
+def test_thinnest_gap_is_told_with_its_place_also_if_it_is_wide(tmp_path):
+    """The rock is .35 m from the back of the tank, .4 m from its front, and .8 m from its ends."""
+    rock = surface(tmp_path, box((0.4, 0.25, 0.3), (0.8, 0.4, 0.0)), name="rock")
+    facts = scene_checks.facts(scene(TANK, rock))
+    assert facts.gap == pytest.approx(0.35, rel=1e-6) and facts.between == ("rock", "tank")
+    assert facts.at[1] == pytest.approx(0.825, abs=1e-5) and 0.7 < facts.at[0] < 1.3 and 0.0 < facts.at[2] < 0.4
+
+
+@pytest.mark.parametrize(("at", "size", "remedy"), [
+    (0.68, 0.3, "the fluid between them is less than 2 spacings thick"), (0.5, 0.02, "the solid between two sides")])
+def test_walls_that_nearly_touch_should_overlap_or_be_moved(tmp_path, at, size, remedy):
+    found = scene_checks.warnings(scene(TANK, surface(tmp_path, box((0.4, size, 0.3), (0.8, at, 0.0)), name="rock")))
+    line, = (line for line in found if remedy in line)
+    assert "spacing of at most" not in line and line.endswith(
+        "; make it thicker, or leave it out" if size < 0.1 else "; let them overlap, or move them apart")
+
+
+def test_water_below_its_bed_is_told_with_both_heights(tmp_path):
+    bed = surface(tmp_path, sheet(lambda x, y: 0.7 + 0 * x, (0.0, 0.0), (2.0, 1.0), (4, 2)), name="bed")
+    assert "reaches up to z = 0.6 m, but the walls leave room from z = 0.7 m on, above bed; raise its level" in told(
+        scene(TANK, bed))
+
+
+def test_bed_far_larger_than_the_scene_is_warned_of_with_the_scale(tmp_path):
+    bed = surface(tmp_path, sheet(lambda x, y: 0.2 + 0 * x, (-30.0, -30.0), (30.0, 30.0), (4, 4)), name="bed")
+    assert "walls, bed: is 30 times as large as the scene, and cut by it; give scale=0.001 if its file is in mm" in (
+        scene_checks.warnings(scene(TANK, bed)))
+
+
 def test_lost_details_and_crossing_triangles_are_warned_of(tmp_path):
     spike = np.concatenate([box((0.4, 0.3, 0.3), (0.8, 0.3, 0.0)), box((0.02, 0.02, 0.2), (1.0, 0.4, 0.2))])
     found = scene_checks.warnings(scene(TANK, surface(tmp_path, spike, name="rock")))
@@ -206,20 +236,23 @@ def test_scenes_that_surfaces_do_not_fit_are_refused(tmp_path):
         scene(TANK, rock, probes=[Force("load", on="rock", side="left")])
 
 
-def test_force_on_a_surface_is_the_weight_of_the_water_in_its_place(tmp_path):
-    """Its sides push alike, but for what is extrapolated at their edges; it has no moment about its middle."""
-    rock = surface(tmp_path, box((0.6, 0.5, 0.4), (0.7, 0.25, 0.25)), name="rock")
-    case = scene(TANK, rock, level=0.9, probes=[Force("load", on="rock", about=(1.0, 0.5, 0.45))])
+@pytest.mark.parametrize(("size", "at"), [((0.6, 0.5, 0.4), (0.7, 0.25, 0.25)),
+                                          ((0.6, 0.3, 0.3), (0.733, 0.281, 0.233))])    # three spacings wide
+def test_force_on_a_surface_is_the_weight_of_the_water_in_its_place(tmp_path, size, at):
+    """A linear pressure is known exactly, so that the sides push alike, and there is no moment about the middle."""
+    rock = surface(tmp_path, box(size, at), name="rock")
+    (x, y, z), height = np.array(at) + 0.5 * np.array(size), 0.9
+    case = scene(TANK, rock, level=height, probes=[Force("load", on="rock", about=(x, y, z))])
 
     def still(arrays):
-        arrays["p"][:] = DENSITY * G * (0.9 - arrays["x"][:, 2])
+        arrays["p"][:] = DENSITY * G * (height - arrays["x"][:, 2])
 
     watch = Watch(case, MPI.COMM_SELF, still)
     found = watch.sample()["load"]
     watch.destroy()
-    weight = DENSITY * G * 0.6 * 0.5 * 0.4
+    weight = DENSITY * G * np.prod(size)
     assert found[2] == pytest.approx(weight, rel=1e-6)
-    np.testing.assert_allclose(np.delete(found, 2), 0.0, atol=2e-3 * weight)
+    np.testing.assert_allclose(np.delete(found, 2), 0.0, atol=1e-5 * weight)
 
 
 def test_friction_acts_on_a_surface_in_a_tank_to_which_fluid_sticks(tmp_path):
@@ -242,6 +275,25 @@ def test_bodies_that_move_into_a_surface_are_refused_with_time_and_place(tmp_pat
     said = told(moving(0.4))
     assert said.startswith("walls, block: its Sway brings it into rock at t = 0.") and "at (1.3" in said
     scene_checks.check(moving(0.2))
+
+
+def test_bodies_that_move_into_a_bed_are_refused_but_for_the_feet_of_wavemakers(tmp_path):
+    """The bed rises 1 : 2 from x = .8 m on: a piston that goes to x = 1 m has only its foot in it, .1 m deep."""
+    def bed(x, y):
+        return 0.5 * np.clip(x - 0.8, 0.0, None)
+
+    slope = surface(tmp_path, sheet(bed, (0.0, 0.0), (2.0, 1.0), (20, 2)), name="bed")
+
+    def piston(amplitude):
+        return scene(TANK, slope, Piston(at=0.5, side="right", motion=Sway(amplitude, 2.0)))
+
+    def block(amplitude):
+        return scene(TANK, slope, Obstacle(Box(0.3, 0.2, at=(0.4, 0.1)), across=(0.3, 0.7), name="block",
+                                           motion=Sway(amplitude, 2.0)))
+
+    for made, name, low, high in ((piston, "piston-1", 0.35, 0.7), (block, "block", 0.2, 0.5)):
+        assert f"walls, {name}: its Sway brings it into bed at t = " in told(made(high))
+        scene_checks.check(made(low))
 
 
 def test_stored_case_gives_the_same_scene(tmp_path):
