@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID, SURFACE
 from parisph.case.motion import AtRest
 from parisph.case.schema import Box, Case
@@ -93,7 +94,7 @@ class Conservation:
         volume = Volume(name="volume")
         self._volume = instruments.build(case.model_copy(update={"probes": (volume,)}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
-        self.by_surface = case.dim == 2 and has_level(case, self._scene)
+        self.by_surface = has_level(case, self._scene)
         state, start = state or {}, start or {}
         self.energy, self.motion, self.kinetic, self.volume = (
             Range(**state[name]) if name in state else Range(start=start.get(name)) for name in RANGES)
@@ -173,16 +174,14 @@ class Conservation:
             self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
 
     def _elevation(self, simulation: Simulation) -> float | None:
-        """Return the potential energy of the elevation about its mean [J/m], None for a torn surface. Collective."""
+        """Return the potential energy of the elevation about its mean [J/m, in 3D J], None if torn. Collective."""
         s, p, scene = simulation, simulation.particles, self._scene
         top = np.concatenate(s.comm.allgather(p.x[(p.kind == FLUID) & (p.role == SURFACE)]))
-        width = scene.upper[0] - scene.lower[0]
-        if not len(top) or len(top) > TORN * (width / scene.step[0] + 1.0):
+        lower, upper = scene.lower[:-1], scene.upper[:-1]
+        if not len(top) or len(top) > TORN * np.prod((upper - lower) / scene.step[:-1] + 1.0):
             return None
-        x, y = top[np.argsort(top[:, 0])].T
-        x, y = np.r_[scene.lower[0], x, scene.upper[0]], np.r_[y[0], y, y[-1]]
-        part = 0.5 * (np.r_[0.0, np.diff(x)] + np.r_[np.diff(x), 0.0])    # of the width, by the trapezoidal rule
-        off = y - part @ y / part.sum()
+        part, z = _shares(top[:, :-1], lower, upper, float(min(scene.step))), top[:, -1]
+        off = z - part @ z / part.sum()
         return float(0.5 * scene.density * abs(scene.gravity[-1]) * (part @ off**2))
 
     def _look_at_volume(self, simulation: Simulation) -> None:
@@ -191,10 +190,32 @@ class Conservation:
         self.volume.add(s.time, found["volume"][0])
 
 
+def _shares(x: Floats, lower: Floats, upper: Floats, spacing: float) -> Floats:
+    """Return the part of the width [m] or of the plan [m^2] of a tank that is nearest to each particle x (n, dim - 1).
+
+    In 3D, places half a spacing apart are counted.
+    """
+    if x.shape[1] == 1:
+        order = np.argsort(x[:, 0])
+        at = x[order, 0]
+        middle = np.r_[lower, 0.5 * (at[1:] + at[:-1]), upper]
+        found = np.empty(len(x))
+        found[order] = np.diff(middle)
+        return found
+    from scipy.spatial import cKDTree
+
+    number = np.maximum(1, np.ceil(2.0 * (upper - lower) / spacing)).astype(int)
+    axes = [low + (np.arange(n) + 0.5) * (high - low) / n for low, high, n in zip(lower, upper, number)]
+    places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    nearest = cKDTree(x).query(places)[1]
+    counts: Floats = np.bincount(nearest, minlength=len(x)) * (np.prod(upper - lower) / len(places))
+    return counts
+
+
 def has_level(case: Case, scene: ProbeScene) -> bool:
     """Return whether the water is as wide as a tank at rest without other walls, with gravity downwards.
 
-    Then its surface has a level: its volume over the width of the tank.
+    Then its surface has a level: its volume over the width or the plan of the tank.
     """
     tank, gravity = case.tank, scene.gravity
     if tank is None or len(case.all_bodies) > 1 or not isinstance(tank.motion, AtRest) or case.closed:
@@ -203,7 +224,7 @@ def has_level(case: Case, scene: ProbeScene) -> bool:
         return False
     lower, upper = (np.asarray(corner) for corner in case.fluid_bounds)
     on_bed = lower[-1] <= scene.lower[-1] + case.numerics.spacing    # water in the air has no level
-    return bool(on_bed and np.allclose((lower[0], upper[0]), (scene.lower[0], scene.upper[0])))
+    return bool(on_bed and np.allclose((lower[:-1], upper[:-1]), (scene.lower[:-1], scene.upper[:-1])))
 
 
 def _lowest(scene: ProbeScene) -> float:

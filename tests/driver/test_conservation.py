@@ -2,11 +2,12 @@
 
 import json
 from dataclasses import replace
+from math import pi
 
 import numpy as np
 import pytest
 
-from parisph import Box, Obstacle, Output, Polygon, StillWater
+from parisph import Box, Fluid, Obstacle, Output, Polygon, StillWater, Tank, TankMode
 from parisph.driver import describe
 from parisph.driver.conservation import Conservation, Range
 from parisph.driver.summary import Account
@@ -164,6 +165,24 @@ def test_energy_in_motion_of_low_waves_knows_no_moves_of_particles():
         kept.step(s)
     kept.measure(s)
     assert -0.1 < kept.content()["energy_in_motion"]["drift"] < 0.0
+
+
+def test_energy_in_motion_of_a_low_wave_in_3d_knows_no_moves_of_particles():
+    """rho g a^2 L B/8 of a mode of the tank; by the places of particles it would be five times as much after 1.5 s."""
+    def mode(spacing):
+        wave = TankMode(amplitude=0.01, modes=(1, 1), length=1.0, breadth=0.7, depth=0.5, phase=pi / 2)
+        return water(Fluid(Box(1.0, 0.5, breadth=0.7), density=1000.0, wave=wave), Tank(1.0, 0.8, breadth=0.7),
+                     dict(spacing=spacing, preset="gentle"), title="mode")
+
+    due = 1000.0 * 9.81 * 1e-4 * 0.7 / 8.0    # less (k s)^2/2, as water at a wall has the level of the last particle
+    assert in_motion(mode(0.05))["start"] == pytest.approx(due, rel=0.08)
+    s, kept = started(mode(0.1))
+    assert kept.motion.start == pytest.approx(due, rel=0.2)
+    while s.time < 1.5:
+        s.advance()
+        kept.step(s)
+    kept.measure(s)
+    assert -0.2 < kept.content()["energy_in_motion"]["drift"] < 0.2 and kept.energy.now - kept.energy.start > 2.0 * due
 
 
 def test_energy_in_motion_shows_no_rounding():
