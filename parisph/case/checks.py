@@ -27,6 +27,7 @@ from parisph.case.shapes import ENDS, Box, Lid, Tank
 from parisph.case.surface_body import Surface
 from parisph.case.time_scales import SAMPLES, sample
 from parisph.case.values import LARGEST
+from parisph.case.waves import TankMode
 
 FAR = 1e9       # spacings from the origin up to which float64 resolves places well
 
@@ -215,6 +216,20 @@ def _elevation(case: Scene) -> Iterator[str]:
             )
 
 
+def _mode(case: Scene, name: str, wave: object) -> Iterator[str]:
+    """A TankMode fits between the walls of its tank."""
+    tank = case.lone_tank
+    if not isinstance(wave, TankMode) or tank is None or case.dim == 2:
+        return
+    lower, upper = (np.asarray(corner) for corner in tank.bounds)
+    for field, own, due in (("length", wave.length, upper[0] - lower[0]),
+                            ("breadth", wave.breadth, upper[1] - lower[1]),
+                            ("at", np.array(wave.at), lower[:2])):
+        if np.abs(own - due).max() > 1e-6 * (upper - lower).max():
+            yield (f"{name}.{field} = {shown(wave.at) if field == 'at' else format(own, 'g')}: the tank has "
+                   f"{shown(tuple(due.tolist())) if field == 'at' else format(due, 'g')}; change one of them")
+
+
 def _wave(case: Scene) -> Iterator[str]:
     """A wave needs the gravity and the depth of the case. geometry.scene_checks checks the depth where they are made.
     """
@@ -225,6 +240,7 @@ def _wave(case: Scene) -> Iterator[str]:
             yield (f"{name}.g = {wave.g:g}: the gravity of the case must be ({'0, ' * (case.dim - 1)}{-wave.g:g}); "
                    "change one of them")
     for name, fluid in fluid_names(case):
+        yield from _mode(case, f"{name}.wave", fluid.wave)
         lower, upper = case.bounds_of(fluid)
         deepest, own_wave = float((upper - lower)[-1]), fluid.wave
         if own_wave is None or not isinstance(fluid.shape, StillWater):

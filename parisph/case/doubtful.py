@@ -183,6 +183,8 @@ def _gravity(case: Scene) -> Iterator[str]:
         yield f"{shown}: it points upwards, out of an open tank, because {axis} points up; {earth}"
     elif not gravity.any():
         yield f"{shown}: nothing keeps the water in an open tank; {earth}, or give the tank a lid"
+    elif -up < 0.5 * float(np.linalg.norm(gravity)):
+        yield f"{shown}: it points sideways, out of an open tank, because {axis} points up; {earth}"
 
 
 def _thin(case: Scene) -> Iterator[str]:

@@ -18,6 +18,7 @@ from parisph.case.shapes import Tank
 from parisph.case.waves import Jonswap, SolitaryWave
 from parisph.case.waves.linear import wave_number
 from parisph.geometry import build, columns
+from parisph.geometry.upper_faces import UpperFaces
 from parisph.truth.recorded import Recorded, own_columns
 from parisph.truth.reflection import separated, spectra, spread
 
@@ -152,7 +153,9 @@ def _gauges(case: Case, depth: float) -> dict[str, Gauge]:
     if found and mesh is not None:
         start = _makers(case)[0][1] if _makers(case) else -np.inf
         found.sort(key=lambda one: abs(one[1].at - start))
-        beds = columns.beds(mesh.corners(), np.array([probe.at for _, probe in found]), np.inf)
+        places = np.array([probe.place for _, probe in found])
+        beds = (UpperFaces(mesh.corners()).highest(places) if mesh.dim == 3 else
+                columns.beds(mesh.corners(), places[:, 0], np.inf))
         wrong = np.abs(float(case.fluid_bounds[1][-1]) - beds - depth) > SAME_DEPTH * depth
         found = found[:int(np.argmax(wrong)) if wrong.any() else None]    # behind a bar the waves differ
     return dict(sorted(found, key=lambda one: one[1].at))

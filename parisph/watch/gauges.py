@@ -52,23 +52,22 @@ def column_rows(view: View, place: Place, gap: float, beside: float = -1.0) -> F
     from parisph.kernels import water_columns
 
     p, s = view.particles, view.scene.spacing
-    at, beside = np.array(place), beside * s
-    if len(place) == 2:
-        at = _off_the_walls(at, view)
-        beside += float(np.linalg.norm(at - place)) * (beside > 0.0)
+    at, beside = _off_the_walls(np.array(place), view), beside * s
+    beside += float(np.linalg.norm(at - place)) * (beside > 0.0)
     column = water_columns.Column(at, COLUMN * s * ROUNDING, beside, gap * s, STRETCH * s)
     found: Floats = water_columns.column_rows(p.x, p.kind, p.role, column, view.scene.floors_at(place, view.time))
     return found
 
 
 def _off_the_walls(at: Floats, view: View) -> Floats:
-    """Return the middle (2,) of the column at a place (2,) [m] of a 3D scene, a spacing or more from vertical walls.
+    """Return the middle of the column at a place (dim - 1,) [m], a spacing or more from vertical walls.
 
-    Particles keep that distance. Of a column around a corner only a quarter would have any.
+    Particles keep that distance, and 1.6 spacings beside a wall where a column falls. Of a column around a corner only
+    a quarter would have any.
     """
     found, s = at.copy(), view.scene.spacing
     for axis, wall in view.scene.mirrors_at(view.time):
-        if abs(found[axis] - wall) < s:
+        if axis < len(at) and abs(found[axis] - wall) < s:
             inward = 1.0 if wall < view.scene.middle[axis] else -1.0
             found[axis] = wall + inward * s
     return found

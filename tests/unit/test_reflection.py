@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from parisph import Case, CaseError, Fluid, Numerics, Polygon, ProbeArray, Sponge, SurfaceGauge, Tank
+from parisph import Case, CaseError, Fluid, Numerics, Polygon, ProbeArray, Profile, Sponge, SurfaceGauge, Tank
 from parisph.case.bodies import Obstacle, Piston, StillWater
 from parisph.case.waves import Airy, Jonswap
 from parisph.case.waves.jonswap import components_of
@@ -168,5 +168,11 @@ def test_gauges_over_a_bar_are_not_chosen():
     flume.at["g1.4"] = 1.4
     flume.probe_names.append("g1.4")
     assert reflected.of_case(flume.case, flume)["probes"] == ["g1.0", "g1.4"]
+    step = Profile([(-0.5, 0.8), (-0.5, 0.0), (2.8, 0.0), (3.2, 0.2), (11.5, 0.2), (11.5, 0.8)], breadth=0.4)
+    gauges = [gauge.model_copy(update={"y": 0.2}) for gauge in (*case.probes[:4], SurfaceGauge("g1.4", at=1.4))]
+    solid = Flume(wave, gravity=(0.0, 0.0, -9.81), walls=(step, case.walls[1]), probes=gauges)
+    solid.at["g1.4"] = 1.4
+    solid.probe_names.append("g1.4")
+    assert reflected.of_case(solid.case, solid)["probes"] == ["g1.0", "g1.4"]    # in 3D the same
     bare = Flume(wave, walls=(*case.walls, bar))
     assert reflected.of_case(bare.case, bare) is None

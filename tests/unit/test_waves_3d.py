@@ -111,6 +111,8 @@ def test_a_zone_makes_a_wave_along_a_direction_and_a_gauge_knows_it():
     (lambda: TankMode(0.02, (0, 0), 1.0, 1.0, 0.5), "level water"),
     (lambda: TankMode(0.02, (1, 0), 1.0, 1.0, 0.5, direction=ALONG), "leave it out"),
     (lambda: scene(Fluid(Box(2.0, 0.5), 1000.0, wave=MODE), Tank(2.0, 0.8)), "TankMode is for a 3D scene"),
+    (lambda: scene(Fluid(StillWater(0.5), 1000.0, wave=MODE), Tank(1.0, 0.8, breadth=0.7, at=(0.1, 0.0))),
+     "fluid.wave.breadth = 0.8: the tank has 0.7; change one of them"),
     (lambda: scene(Fluid(Box(2.0, 0.5), 1000.0, wave=Airy(0.02, 1.2, 0.5, direction=ALONG)), Tank(2.0, 0.8)),
      "direction: is for a 3D scene"),
     (lambda: scene(Fluid(StillWater(0.5), 1000.0), (

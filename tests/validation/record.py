@@ -46,7 +46,7 @@ def rows_of(study: Study, results: list[Result], what: str) -> list[Row]:
     for one in limits.verdicts(study, [one.run for one in results], results):
         label = one.where.partition(", spacing ")[0]
         values = [float("nan") if value is None else value for value in one.values]
-        found.append(Row.of_starts(f"{what}, {label}: {one.of}", values, one.required.must, one.required.aim,
+        found.append(Row.of_starts(f"{what}, {label}: {one.required.of}", values, one.required.must, one.required.aim,
                                    one.required.least, cost.get(label)))
     return found
 
