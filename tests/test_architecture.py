@@ -22,7 +22,8 @@ ONLY_IN = {
                "doctor", "ranks", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
-    "scipy": ("geometry.triangles", "geometry.surface_checks", "methods.surface_load", "pictures.water"),
+    "scipy": ("driver.conservation", "geometry.triangles", "geometry.surface_checks", "methods.surface_load",
+              "pictures.water"),
     "trimesh": ("geometry.surface_files",),
     "manifold3d": ("geometry.room",),
     "pymeshlab": ("base.libraries",),    # which loads h5py before it

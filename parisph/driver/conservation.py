@@ -202,7 +202,7 @@ def _shares(x: Floats, lower: Floats, upper: Floats, spacing: float) -> Floats:
         found = np.empty(len(x))
         found[order] = np.diff(middle)
         return found
-    from scipy.spatial import cKDTree
+    from scipy.spatial import cKDTree  # as methods.surface_load, only in 3D
 
     number = np.maximum(1, np.ceil(2.0 * (upper - lower) / spacing)).astype(int)
     axes = [low + (np.arange(n) + 0.5) * (high - low) / n for low, high, n in zip(lower, upper, number)]
