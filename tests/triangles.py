@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-# What Surfaces need, to be imported in this order: see parisph.base.libraries.pymeshlab.
+# What Surfaces need, to be imported in this order: see parisph.base.libraries.
 LIBRARIES = ("h5py", "trimesh", "manifold3d", "pymeshlab")
 
 

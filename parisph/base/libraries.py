@@ -27,6 +27,10 @@ _REMEDIES = {
 # Files that a library reads from the current folder, and that can make it execute programs.
 _CONFIGURATION = {"matplotlib": "matplotlibrc", "numba": ".numba_config.yaml"}
 
+# What must be loaded before a library: pymeshlab brings an old libnghttp2, with which the libcurl of HDF5 lacks a
+# function, and h5py cannot be loaded.
+_AFTER = {"pymeshlab": "h5py"}
+
 
 @contextmanager
 def unconfigured(library: str) -> Iterator[None]:
@@ -72,23 +76,17 @@ def require(*names: str) -> None:
         raise MissingLibrary(f"{', '.join(broken)}: {_REMEDIES[names]}")
 
 
-def pymeshlab() -> Any:
-    """Return the module pymeshlab, loaded after h5py if that is installed. Not collective.
-
-    pymeshlab brings an old libnghttp2. If that is loaded first, the libcurl of HDF5 lacks a function, and h5py cannot
-    be loaded. Raises ImportError.
-    """
-    with suppress(Exception):    # what is wrong with h5py is told where it is needed
-        import_module("h5py")
-    return import_module("pymeshlab")
+def loaded(name: str) -> Any:
+    """Return the module of a library, loaded after the one that must come first. Not collective. Raises ImportError."""
+    if name in _AFTER:
+        with suppress(Exception):    # what is wrong with it is told where it is needed
+            import_module(_AFTER[name])
+    return import_module(name)
 
 
 def _import(name: str) -> None:
-    if name == "pymeshlab":
-        pymeshlab()
-        return
     if name not in _CONFIGURATION:
-        import_module(name)
+        loaded(name)
         return
     if "MATPLOTLIBRC" in os.environ:    # the user's own file, relative to the current folder
         os.environ["MATPLOTLIBRC"] = os.path.abspath(os.environ["MATPLOTLIBRC"])

@@ -131,7 +131,7 @@ def _manifold(piece: Piece) -> Any:
 
 def _meshed(points: Floats, corners: Ints, spacing: float) -> tuple[Floats, Array]:
     """Return nodes and triangles of about equal size on the surface of triangles. Creases keep their places."""
-    pymeshlab = libraries.pymeshlab()
+    pymeshlab = libraries.loaded("pymeshlab")
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=points, face_matrix=corners.astype(np.int32)))
     meshes.meshing_isotropic_explicit_remeshing(

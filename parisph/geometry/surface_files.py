@@ -65,7 +65,7 @@ def read(surface: Surface) -> Triangles:
 
 def crossing(surface: Surface) -> tuple[int, Floats]:
     """Return the number of triangles of a Surface that cross others of it, and the middle (3,) [m] of the first."""
-    pymeshlab = libraries.pymeshlab()
+    pymeshlab = libraries.loaded("pymeshlab")
     found, meshes = read(surface), pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(vertex_matrix=found.points, face_matrix=found.corners))
     meshes.compute_selection_by_self_intersections_per_face()
