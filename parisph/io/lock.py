@@ -3,13 +3,18 @@
 The file `run.lock` names it: host, process and start. It is made with O_EXCL, which is atomic on local disks and on NFS
 since version 3. Its time is renewed while the run goes on. A killed process leaves its lock behind. On the same host
 this is detected, and the lock is taken over. From another host or container it cannot be detected: the user decides.
+
+Processes of one host look at the lock one after the other (`_alone`). Otherwise one could take over a stale lock while
+another removes it, and both would have the folder.
 """
 
+import fcntl
 import json
 import os
 import socket
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -37,10 +42,11 @@ class Lock:
         self._mine = {"host": _host(), "processes": _numbering(), "process": os.getpid(), "began": _began(os.getpid()),
                       "since": time.strftime("%Y-%m-%d %H:%M:%S"), "token": os.urandom(8).hex()}
         self._beaten = time.monotonic()
-        for _ in range(3):    # two processes may find the same stale lock at once
-            if self._take():
-                return
-            self._clear(force)
+        with _alone(self.path.parent):
+            for _ in range(3):    # two processes of different hosts may find the same stale lock at once
+                if self._take():
+                    return
+                self._clear(force)
         raise StoreError(f"another process is starting in {folder} at this moment: wait for it to end")
 
     def check(self) -> None:
@@ -115,6 +121,18 @@ class Lock:
         except OSError:
             return "an unknown time"
         return f"{max(seconds, 0.0):.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Wait until no other process of this host is here with the same folder. The system lets go when a process ends."""
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        with suppress(OSError):    # some network file systems cannot lock folders
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _read(path: Path) -> Found | None:

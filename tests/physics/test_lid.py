@@ -46,9 +46,10 @@ def test_wave_that_stays_below_the_lid(preset, difference):
 def test_crest_that_hits_the_lid(gap):
     """One spacing of air is so little that the water closes it here and there: it must not collapse then.
 
-    With this air it lets go of the lid slowly: swayed by 0.04 to 0.06 m, it comes down by 0.3 to 0.5 spacings.
+    With this air it lets go of the lid slowly: swayed by 0.04, 0.05 and 0.06 m, it comes down by 0.40, 0.29 and 0.16
+    spacings. With three spacings of air it falls below its level.
     """
-    (left, volume, lid), isolated = swayed(gap, 0.05, 450)
+    (left, volume, lid), isolated = swayed(gap, 0.05, 900)
     assert lid.max() > 500.0 and np.abs(lid).max() < 2e4
     crest = np.argmax(left)
     assert left[crest:].min() < left[crest] - 0.25 * S, "it comes down again"

@@ -1,5 +1,6 @@
 """One process at a time writes into the folder of a run."""
 
+import fcntl
 import json
 import os
 import resource
@@ -7,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import ExitStack
 
@@ -164,6 +166,19 @@ except StoreError:
     print("refused", flush=True)
 sys.stdin.readline()    # who has it lives until all have tried
 """
+
+
+def test_a_process_waits_while_another_looks_at_the_lock(tmp_path):
+    """Between reading a stale lock and removing it, nobody else takes it."""
+    looks = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(looks, fcntl.LOCK_EX)
+    late = threading.Thread(target=lambda: Lock(tmp_path))
+    late.start()
+    late.join(0.3)
+    assert late.is_alive() and not list(tmp_path.iterdir())
+    os.close(looks)
+    late.join(10.0)
+    assert (tmp_path / lock.NAME).exists()
 
 
 def test_of_several_processes_that_find_a_stale_lock_one_takes_it(tmp_path, holder):

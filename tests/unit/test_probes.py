@@ -128,6 +128,7 @@ def test_at_a_vertical_front_the_gauge_gives_the_top_of_the_column():
     ([(-1.5, -0.1), (-0.5, 0.0), (0.0, 0.1), (0.0, 0.4), (0.5, 0.0)], 0.4),
     ([(-1.0, 0.0), (-0.02, 0.1), (0.02, -1.6), (1.0, 0.0)], 0.1 / 0.9996),  # a cavity below
     ([(-0.01, 0.0), (0.01, 0.01)], 1.0),                              # as good as one particle
+    ([(-2.4, -1.0), (-2.1, 0.0), (2.1, 0.0), (2.4, -1.0)], 1.0),      # water that touches a lid here
 ])
 def test_what_is_no_smooth_surface_is_left_out(points, height):
     x, y = np.array(points).T

@@ -93,8 +93,8 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
         side = left if point[0] < at else right
         if len(side) < 2 and not _covered(*point, points, spacing):
             side.append(point)
-    if not left or not right or not _smooth(left[0], right[0], spacing):
-        return float(top)
+    if not left or not right or not _smooth(left[0], right[0], spacing) or right[0][0] - left[0][0] > NODES * spacing:
+        return float(top)    # also below a lid, where the nearest particles on the surface are far away
     nodes = [left[0], right[0],
              *(side[1] for side in (left, right) if len(side) == 2 and _smooth(side[0], side[1], spacing))]
     return _through(nodes, at)
