@@ -21,6 +21,7 @@ from parisph.watch.sampling import ProbeScene, View
 EVERY = 10             # steps between two measurements of the volume, which take a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
 ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow without work on it
+BREAKING = ', or preset="violent" for steep or breaking waves'    # a further remedy for "gentle"
 ROUNDING = 1e-12       # of the total energy: a smaller energy in motion counts as zero
 TORN = 1.5             # times the particles of a level surface: with more, its elevation has no meaning
 RANGES = ("energy", "motion", "kinetic", "volume")
@@ -95,6 +96,7 @@ class Conservation:
         self._volume = instruments.build(case.model_copy(update={"probes": (volume,)}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         self.by_surface = has_level(case, self._scene)
+        self._or_violent = BREAKING if simulation.numerics.preset in ("gentle", "solitary") else ""
         state, start = state or {}, start or {}
         self.energy, self.motion, self.kinetic, self.volume = (
             Range(**state[name]) if name in state else Range(start=start.get(name)) for name in RANGES)
@@ -144,12 +146,12 @@ class Conservation:
             if volume and abs(volume[name]) > VOLUME_LIMIT:
                 found[f"volume {name}"] = (
                     f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, more "
-                    f"than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
+                    f"than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step{self._or_violent}")
         judged = self.by_surface and not self.motion.missing    # by driver.diagnostics, from the energy in motion
         if energy and not self.driven and not judged and energy["high"] > ENERGY_LIMIT:
             found["energy"] = (
                 f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though "
-                "nothing does work on the fluid: use a smaller spacing or time step")
+                f"nothing does work on the fluid: use a smaller spacing or time step{self._or_violent}")
         for name, reason in REASONS.items():
             gaps = getattr(self, name)
             if gaps.missing and gaps.low is not None:

@@ -15,7 +15,7 @@ from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
 from parisph.case.probes import Gauge, up
 from parisph.case.schema import Case
-from parisph.driver.conservation import Conservation
+from parisph.driver.conservation import BREAKING, Conservation
 from parisph.driver.simulation import Simulation
 from parisph.io.reader import Run
 from parisph.kernels.closest import least_distance
@@ -38,7 +38,7 @@ class Limit(NamedTuple):
 # d/s = 10, keeps all limits with 20; and a filter that takes 26 % of a wave takes 17 %.
 FINER = "use a smaller spacing"
 OTHER = f"{FINER}, or {{other}}"
-PRESETS = {"violent": 'preset="violent" for steep or breaking waves',
+PRESETS = {"violent": BREAKING.removeprefix(", or "),
            "gentle": 'preset="gentle" for waves that do not break'}
 LIMITS = {
     # kinetic energy over all energy in motion at the start, of a flow without work on it: at most 1 in reality

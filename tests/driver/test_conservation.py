@@ -70,6 +70,15 @@ def test_energy_that_comes_from_nothing_is_named():
     assert "energy" in line and "%" in line and f"{s.time:.4g} s" in line
 
 
+@pytest.mark.parametrize("preset", ["gentle", "violent"])
+def test_the_remedy_names_the_preset_for_breaking_waves_where_it_is_not_in_use(preset):
+    s, kept = started(scene("standing_wave", dict(preset=preset), spacing=0.1))
+    s.advance()
+    kept.measure(s)
+    kept.volume.add(s.time, 1.1 * kept.volume.start)
+    assert ('preset="violent"' in kept.passed()["volume high"]) == (preset == "gentle")
+
+
 def test_energy_of_a_driven_flow_may_rise():
     s, kept = started(scene("free_drop", spacing=0.1, stiffness=1.0))
     s.particles.u *= 2.0
