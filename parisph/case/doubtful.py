@@ -38,6 +38,8 @@ HARDEST = 10.0      # acceleration of a tank or a wall over gravity: a greater o
 # spikes of 1.6 to 70 times their size at 1.5 (the box), 1.8, 2.5 and 3.6, and one of these runs doubles its energy.
 # Regular waves over boxes, .2 to .3, run well for 40 periods (tests/lasting)
 PAST = 1.3
+TILTED = 0.5        # tuned 0.1 to 0.9: part of gravity along the vertical below which it points sideways; judged
+FITS = 1e-6         # of half a length: how near to an antinode a wall must be
 THIN = 1.5          # spacings: thinner fluid is one layer of particles
 
 
@@ -49,6 +51,7 @@ def doubts(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
     for wave in waves:
         yield from _short(case, wave)
     yield from _started(case, waves)
+    yield from _standing(case)
     yield from _sponges(case, waves)
     yield from _motions(case)
     yield from _small_bodies(case, waves)
@@ -135,6 +138,24 @@ def _radians(motion: Motion) -> str:
     return f"radians({motion.amplitude!r}), {math.radians(motion.amplitude):.3g} rad"
 
 
+def _standing(case: Scene) -> Iterator[str]:
+    """A standing wave has an antinode at each wall of its tank, where water cannot pass."""
+    tank = case.lone_tank
+    if tank is None:
+        return
+    walls = np.array([float(corner[0]) for corner in tank.bounds])
+    for name, fluid in fluid_names(case):
+        wave = fluid.wave
+        if not isinstance(wave, StandingWave) or wave.direction is not None or not isinstance(fluid.shape, StillWater):
+            continue
+        halves = 2.0 * (walls - wave.at) / wave.length
+        if np.abs(halves - np.rint(halves)).max() > FITS:
+            many = max(round(float(np.ptp(halves))), 1)
+            yield (f"{name}.wave: length = {wave.length:g} with at = {wave.at:g} has no antinode at both walls of the "
+                   f"tank, x = {walls[0]:g} and {walls[1]:g}: other waves will start; use "
+                   f"length = {2.0 * float(np.ptp(walls)) / many:.6g} and at = {walls[0]:g}")
+
+
 def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
     """Bodies at rest that water passes far, with the numerics of waves, which fill voids at edges too slowly."""
     if not case.numerics.resolved().wave_step:
@@ -183,7 +204,7 @@ def _gravity(case: Scene) -> Iterator[str]:
         yield f"{shown}: it points upwards, out of an open tank, because {axis} points up; {earth}"
     elif not gravity.any():
         yield f"{shown}: nothing keeps the water in an open tank; {earth}, or give the tank a lid"
-    elif -up < 0.5 * float(np.linalg.norm(gravity)):
+    elif -up < TILTED * float(np.linalg.norm(gravity)):
         yield f"{shown}: it points sideways, out of an open tank, because {axis} points up; {earth}"
 
 

@@ -21,7 +21,7 @@ from parisph.watch.sampling import ProbeScene, View
 EVERY = 10             # steps between two measurements of the volume, which take a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
 ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow without work on it
-BREAKING = ', or preset="violent" for steep or breaking waves'    # a further remedy for "gentle"
+BREAKING = 'preset="violent" for steep or breaking waves'    # a further remedy for "gentle"
 ROUNDING = 1e-12       # of the total energy: a smaller energy in motion counts as zero
 TORN = 1.5             # times the particles of a level surface: with more, its elevation has no meaning
 RANGES = ("energy", "motion", "kinetic", "volume")
@@ -96,7 +96,7 @@ class Conservation:
         self._volume = instruments.build(case.model_copy(update={"probes": (volume,)}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         self.by_surface = has_level(case, self._scene)
-        self._or_violent = BREAKING if simulation.numerics.preset in ("gentle", "solitary") else ""
+        self._or_violent = f", or {BREAKING}" if simulation.numerics.preset in ("gentle", "solitary") else ""
         state, start = state or {}, start or {}
         self.energy, self.motion, self.kinetic, self.volume = (
             Range(**state[name]) if name in state else Range(start=start.get(name)) for name in RANGES)

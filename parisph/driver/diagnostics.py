@@ -38,7 +38,7 @@ class Limit(NamedTuple):
 # d/s = 10, keeps all limits with 20; and a filter that takes 26 % of a wave takes 17 %.
 FINER = "use a smaller spacing"
 OTHER = f"{FINER}, or {{other}}"
-PRESETS = {"violent": BREAKING.removeprefix(", or "),
+PRESETS = {"violent": BREAKING,
            "gentle": 'preset="gentle" for waves that do not break'}
 LIMITS = {
     # kinetic energy over all energy in motion at the start, of a flow without work on it: at most 1 in reality

@@ -81,6 +81,9 @@ DOUBTS = {
     "Airy": ("fluid.wave: a linear wave of this height lacks its second harmonic, 11% of its amplitude",
              lambda: waves(Airy(height=0.1, period=1.2, depth=0.5)),
              lambda: waves(Stokes(height=0.1, period=1.2, depth=0.5))),
+    "standing": ("fluid.wave: length = 3 with at = 0 has no antinode at both walls of the tank, x = 0 and 4: other "
+                 "waves will start; use length = 2.66667 and at = 0",
+                 lambda: standing(0.01, length=3.0), lambda: standing(0.01, length=8.0 / 3.0)),
     "sponge": ("absorb[0]: the sponge is 1.5 m long, and walls, piston-1: wave has a wave of 2.05 m: more than 2.5 %",
                lambda: flume(AIRY, 1.5), lambda: flume(AIRY, 2.05)),
     "sponge and irregular waves": ("has a wave of 2.05 m", lambda: flume(Jonswap(0.05, 1.2, 0.5), 1.5),

@@ -76,7 +76,7 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
     fourth order in the spacing, and continuous when a particle passes the gauge. At a vertical wall d(eta)/dx = 0:
     particles are mirrored in it, and the polynomial through (-b, y2), (-a, y1), (a, y1), (b, y2) has the value
     (y1 b^2 - y2 a^2)/(b^2 - a^2) at the wall. With steps steeper than SLOPE, only the nearest particles are used, or
-    only `top`.
+    only `top`; also where the nearest particles on both sides are more than NODES spacings apart, as below a lid.
 
     x, y : (n,) particles on the surface, in any order [m]
     top : highest water within COLUMN spacings of the gauge [m]
@@ -94,7 +94,7 @@ def surface_height(at: float, x: Floats, y: Floats, top: float, spacing: float,
         if len(side) < 2 and not _covered(*point, points, spacing):
             side.append(point)
     if not left or not right or not _smooth(left[0], right[0], spacing) or right[0][0] - left[0][0] > NODES * spacing:
-        return float(top)    # also below a lid, where the nearest particles on the surface are far away
+        return float(top)
     nodes = [left[0], right[0],
              *(side[1] for side in (left, right) if len(side) == 2 and _smooth(side[0], side[1], spacing))]
     return _through(nodes, at)
